@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# From a fresh checkout to a trained autopilot: see --help.
+set -euo pipefail
+# shellcheck source=scripts/_setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/_setup.sh"
+
+usage() {
+    cat <<'HELP'
+Usage: bash scripts/quickstart.sh [--short]
+
+Makes a virtual environment (.venv) if needed, trains a heading autopilot for the container ship
+KCS in waves for two minutes, evaluates it, records a voyage and simulates a turning circle.
+Everything lands in runs/quickstart; what an earlier run left there moves to
+runs/quickstart.previous.
+
+  --short      train for 12 seconds only and evaluate 8 episodes (a smoke test, not an autopilot)
+  -h, --help   this text
+
+Environment: PYTHON (Python >= 3.11 to use), SHIP_GYM_VENV (default .venv).
+
+Examples:
+  bash scripts/quickstart.sh
+  PYTHON=python3.12 bash scripts/quickstart.sh --short
+HELP
+}
+
+out=runs/quickstart
+minutes=2
+episodes=32
+while [ $# -gt 0 ]; do
+    case "$1" in
+    -h | --help) usage && exit 0 ;;
+    --short) minutes=0.2 episodes=8 ;;
+    *) die "unknown argument: $1 (see --help)" ;;
+    esac
+    shift
+done
+
+# The whole job; every flag of the Python scripts is here and nowhere else.
+job() {
+    step "Training for $minutes minutes" \
+        scripts/train.py --minutes "$minutes" --out "$out"
+    step "Evaluating on $episodes episodes" \
+        scripts/evaluate.py --policy "$out" --episodes "$episodes"
+    step "Recording one voyage" \
+        scripts/record.py --policy "$out" --out "$out/rollout.rrd"
+    step "Simulating a turning circle" \
+        scripts/simulate.py --out "$out/turning_circle.png"
+}
+
+step() { # WHAT SCRIPT ARGUMENTS...
+    say "$1"
+    shift
+    "$PY" "$@"
+}
+
+set_up
+cd "$ROOT"
+export PATH="$VENV/bin:$PATH" MPLBACKEND=Agg
+if [ -e "$out" ]; then
+    rm -rf "$out.previous"
+    mv "$out" "$out.previous"
+fi
+mkdir -p "$out"
+started=$SECONDS
+job
+
+say "Done in $((SECONDS - started)) s. In $ROOT/$out:"
+for file in "$out"/*; do
+    echo "      ${file##*/}"
+done
+cat <<NEXT
+==> Try next
+      source $VENV/bin/activate
+      rerun $out/rollout.rrd              # watch the voyage
+      python scripts/train.py --help                   # another ship, sea, algorithm, longer
+      python scripts/simulate.py --help                # other manoeuvres
+NEXT

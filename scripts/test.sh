@@ -1,0 +1,95 @@
+#!/usr/bin/env bash
+# Set up, then check everything: see --help.
+set -euo pipefail
+# shellcheck source=scripts/_setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/_setup.sh"
+
+usage() {
+    cat <<'HELP'
+Usage: bash scripts/test.sh [--fast] [pytest arguments]
+
+Makes a virtual environment (.venv) if needed, then runs ruff check, ruff format --check,
+lint-imports, the fast tests and the slow tests. The exit code is 0 only if all of them pass.
+
+  --fast       leave out the slow tests (long validation against trials)
+  -h, --help   this text
+  Anything else goes to both pytest runs, after our own arguments.
+
+Environment: PYTHON (Python >= 3.11 to use), SHIP_GYM_VENV (default .venv),
+SHIP_GYM_TEST_WORKERS (pytest processes, default 2).
+
+Examples:
+  bash scripts/test.sh                          # all of it, as CI does
+  bash scripts/test.sh --fast tests/physics -x  # one folder, stop at the first failure
+HELP
+}
+
+slow=yes
+arguments=()
+while [ $# -gt 0 ]; do
+    case "$1" in
+    -h | --help) usage && exit 0 ;;
+    --fast) slow=no ;;
+    *) arguments+=("$1") ;;
+    esac
+    shift
+done
+
+failed=()      # names of the checks that failed
+good_lines=()  # pytest's closing lines
+bad_lines=()   # those of failed runs, printed last
+tests_ran=no
+
+check() { # NAME COMMAND...: run it, remember a failure, go on
+    local name="$1"
+    shift
+    say "$name"
+    "$@" || failed+=("$name")
+}
+
+run_pytest() { # NAME MARKER-EXPRESSION
+    local color=no code=0
+    [ -t 1 ] && color=yes
+    say "$1"
+    if "$PY" -m pytest -n "${SHIP_GYM_TEST_WORKERS:-2}" --color="$color" -m "$2" \
+        ${arguments[@]+"${arguments[@]}"} 2>&1 | tee "$log"; then
+        code=0
+    else
+        code=${PIPESTATUS[0]}
+    fi
+    if [ "$code" -eq 5 ]; then # nothing collected: fine for one of the two runs, not for both
+        say "$1: none selected"
+        return
+    fi
+    tests_ran=yes
+    local line # stays empty when pytest itself crashed
+    line="$(grep -E '(passed|failed|skipped|error|xfailed).* in [0-9.]+s' "$log" | tail -n 1)" || true
+    if [ "$code" -eq 0 ]; then
+        good_lines+=("$line")
+    else
+        failed+=("$1")
+        bad_lines+=("$line")
+    fi
+}
+
+set_up
+cd "$ROOT"
+export PATH="$VENV/bin:$PATH" MPLBACKEND=Agg
+log="$(mktemp)"
+trap 'rm -f "$log"' EXIT
+
+check "ruff check" ruff check .
+check "ruff format --check" ruff format --check .
+check "lint-imports" lint-imports
+run_pytest "fast tests" "not slow"
+[ "$slow" = no ] || run_pytest "slow tests" "slow"
+[ "$tests_ran" = yes ] || failed+=("no test ran")
+
+for name in ${failed[@]+"${failed[@]}"}; do
+    say "FAILED: $name"
+done
+[ ${#failed[@]} -gt 0 ] || say "All checks passed"
+for line in ${good_lines[@]+"${good_lines[@]}"} ${bad_lines[@]+"${bad_lines[@]}"}; do
+    [ -z "$line" ] || printf '%s\n' "$line"
+done
+[ ${#failed[@]} -eq 0 ]

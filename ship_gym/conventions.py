@@ -1,0 +1,64 @@
+"""THE axes, signs, units and state order of Ship Gym. Every source is converted to these.
+
+Earth axes: x north, y east, z down. Body axes: x forward, y to starboard, z down, origin midship
+at the waterline. All angles in rad, clockwise seen from above:
+
+- ``psi`` heading, 0 = north, pi/2 = east; ``r > 0`` moves the bow to starboard;
+- ``delta > 0`` turns the ship to starboard;
+- ``beta = atan2(-v, u)`` drift angle, positive in a steady turn to starboard;
+- ``n`` propeller speed [rev/s], never negative in this version;
+- directions say what they mean: ``*_direction_from`` and ``*_direction_to``, from north;
+- relative wave heading ``mu = psi - wave_direction_to``: pi = head sea, 0 = following sea,
+  pi/2 = waves from the starboard beam.
+
+Units are SI after loading: m, s, rad, rev/s, N, kg, W. A name outside SI carries its unit
+(``speed_kn``, ``heading_deg``).
+"""
+
+from __future__ import annotations
+
+import math
+
+# State vector of one ship: velocities over ground in body axes, position, heading, actuators.
+STATE_NAMES = ("u", "v", "r", "x", "y", "psi", "delta", "n")
+STATE_UNITS = ("m/s", "m/s", "rad/s", "m", "m", "rad", "rad", "rev/s")
+U, V, R, X, Y, PSI, DELTA, N = range(8)
+N_STATES = 8
+
+# Commands of one ship: rudder angle [rad] and propeller speed [rev/s].
+COMMAND_NAMES = ("delta_command", "n_command")
+N_COMMANDS = 2
+
+# Rows of the force breakdown; columns are surge X [N], sway Y [N], yaw moment N [N m] at midship.
+FORCE_COMPONENTS = ("hull", "propeller", "rudder", "disturbance")
+FORCE_AXES = ("X", "Y", "N")
+HULL, PROPELLER, RUDDER, DISTURBANCE = range(4)
+N_FORCES = 4
+
+# Flow diagnostics that accompany the forces.
+FLOW_NAMES = ("J", "beta_P", "beta_R", "thrust", "torque", "rudder_normal_force", "extrapolation")
+FLOW_J, FLOW_BETA_P, FLOW_BETA_R, FLOW_THRUST, FLOW_TORQUE, FLOW_F_N, FLOW_EXTRAPOLATION = range(7)
+N_FLOW = 7
+
+G = 9.80665  # standard gravity [m/s2], CGPM 1901
+RHO_SEA = 1026.021  # sea water at 15 C [kg/m3], ITTC 7.5-02-01-03 (2011) table 2
+RHO_FRESH = 999.103  # fresh water at 15 C [kg/m3], ITTC 7.5-02-01-03 (2011) table 1
+NU_SEA = 1.1892e-6  # kinematic viscosity of sea water at 15 C [m2/s], ITTC 7.5-02-01-03 (2011)
+NU_FRESH = 1.1386e-6  # kinematic viscosity of fresh water at 15 C [m2/s], ITTC 7.5-02-01-03 (2011)
+KNOT = 1852.0 / 3600.0  # [m/s]
+
+
+def wrap_angle(angle):
+    """Wrap an angle into [-pi, pi).
+
+    Parameters
+    ----------
+    angle : float or numpy.ndarray
+        Angle [rad].
+
+    Returns
+    -------
+    float or numpy.ndarray
+        The same direction in [-pi, pi) [rad].
+    """
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi

@@ -1,0 +1,94 @@
+"""Where an artefact comes from, and how to write one without leaving half a file behind."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import platform
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from importlib import metadata
+from pathlib import Path
+
+_PACKAGES = ("numpy", "scipy", "numba", "gymnasium", "torch", "stable-baselines3", "rerun-sdk")
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python, this package and the installed libraries that decide a result."""
+    found = {"python": platform.python_version(), "ship-gym": _version("ship-gym")}
+    for name in _PACKAGES:
+        if (version := _version(name)) != "not installed":
+            found[name] = version
+    return found
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def git_commit() -> str:
+    """Commit of the checkout that this package runs from, with ``-dirty`` if it was edited.
+
+    Returns
+    -------
+    str
+        Forty hex digits, or ``"no git checkout"`` for an installed wheel.
+    """
+    package = Path(__file__).resolve().parent
+    command = ["git", "-C", str(package), "describe", "--always", "--abbrev=40", "--dirty"]
+    try:
+        top = subprocess.run(
+            ["git", "-C", str(package), "rev-parse", "--show-toplevel"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.strip()
+        if Path(top).resolve() != package.parent:  # a wheel inside somebody else's repository
+            return "no git checkout"
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return "no git checkout"
+
+
+def provenance() -> dict[str, object]:
+    """Versions and commit, to be stored in every artefact beside its config and seed."""
+    return {"versions": versions(), "git_commit": git_commit()}
+
+
+def sha256(path: str | os.PathLike) -> str:
+    """SHA-256 of a file's bytes, as hex digits."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+@contextlib.contextmanager
+def atomic_path(path: str | os.PathLike) -> Iterator[Path]:
+    """Give a temporary path beside `path`; rename it to `path` only if the block succeeds.
+
+    Parameters
+    ----------
+    path : path-like
+        Final path; its folder is created if missing.
+
+    Yields
+    ------
+    pathlib.Path
+        Where to write. An exception in the block removes it and leaves `path` as it was.
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        mask = os.umask(0)
+        os.umask(mask)
+        temporary.chmod(0o666 & ~mask)  # mkstemp's 0600 would hide the result from other users
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,7 @@
+"""Recordings of a rollout: exact columns with their meta, as csv or as a rerun file to look at."""
+
+from __future__ import annotations
+
+from ship_gym.recording.trajectory import Trajectory
+
+__all__ = ["Trajectory"]

@@ -1,0 +1,133 @@
+"""Which columns are drawn together over time, under which name, in which unit and colour."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ship_gym.conventions import FORCE_AXES, FORCE_COMPONENTS, wrap_angle
+
+Columns = Mapping[str, np.ndarray]
+
+_BLUE, _ORANGE, _GREEN, _RED = (76, 155, 232), (240, 160, 60), (100, 190, 110), (224, 90, 90)
+_GREY = (200, 200, 200)
+_PALETTE = (_BLUE, _GREEN, _ORANGE, _RED, (170, 130, 220), (90, 200, 200), (220, 130, 180), _GREY)
+_SHARES = {"X": "surge", "Y": "sway", "N": "yaw"}
+_PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))
+
+
+@dataclass(frozen=True)
+class Series:
+    """One line of a plot: legend text, values of shape (T,) in the panel's unit, RGB colour."""
+
+    label: str
+    values: np.ndarray
+    color: tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One plot: the entity path of its data, a title with the unit, and its lines."""
+
+    path: str
+    title: str
+    series: list[Series]
+
+
+def steering_panels(columns: Columns) -> list[Panel]:
+    """Heading, heading error, rudder, propeller speed and cross-track error.
+
+    Parameters
+    ----------
+    columns : mapping of str to numpy.ndarray
+        Columns of a trajectory, shape (T,), SI units, angles in rad.
+
+    Returns
+    -------
+    list of Panel
+        Only the panels that have at least one of their columns.
+    """
+    return _filled(
+        Panel("plots/heading", "Heading [deg]", _heading(columns)),
+        Panel("plots/heading_error", "Heading error [deg]", _heading_error(columns)),
+        _pair(columns, "plots/rudder", "Rudder [deg]", "delta", 180.0 / np.pi),
+        _pair(columns, "plots/rpm", "Propeller [rpm]", "n", 60.0),
+        Panel("plots/cross_track", "Cross-track error [m]", _plain(columns, "cross_track_error")),
+    )
+
+
+def motion_panels(columns: Columns) -> list[Panel]:
+    """Speeds, yaw rate, forces by axis and component, reward terms; see `steering_panels`."""
+    turn = _plain(columns, "r", scale=180.0 / np.pi)
+    return _filled(
+        Panel("plots/speed", "Speed over ground, u ahead, v to starboard [m/s]",
+              _plain(columns, "u", "v")),
+        Panel("plots/yaw_rate", "Yaw rate [deg/s]", turn),
+        *(_forces(columns, axis) for axis in FORCE_AXES),
+        Panel("plots/reward", "Reward and its terms [-]", _plain(columns, *_rewards(columns))),
+    )  # fmt: skip
+
+
+def heading_error(columns: Columns) -> np.ndarray | None:
+    """Heading minus ordered heading [rad], shape (T,), or None where it is not known."""
+    if "psi_error" in columns:
+        return columns["psi_error"]
+    if "psi" in columns and "psi_ordered" in columns:
+        return wrap_angle(columns["psi"] - columns["psi_ordered"])
+    return None
+
+
+def _heading(columns: Columns) -> list[Series]:
+    """Draw the heading without jumps at 360 deg, and the order on the same branch."""
+    found = []
+    if "psi" in columns:
+        psi = np.unwrap(columns["psi"])
+        found.append(Series("heading", np.degrees(psi), _BLUE))
+        if "psi_ordered" in columns:
+            ordered = psi - wrap_angle(columns["psi"] - columns["psi_ordered"])
+            found.append(Series("ordered", np.degrees(ordered), _ORANGE))
+    return found
+
+
+def _heading_error(columns: Columns) -> list[Series]:
+    error = heading_error(columns)
+    return [] if error is None else [Series("error", np.degrees(error), _RED)]
+
+
+def _pair(columns: Columns, path: str, title: str, name: str, scale: float) -> Panel:
+    """Draw an achieved value over the commanded one."""
+    pair = ((f"{name}_command", "commanded", _ORANGE), (name, "achieved", _BLUE))
+    found = [Series(label, scale * columns[c], color) for c, label, color in pair if c in columns]
+    return Panel(path, title, found)
+
+
+def _plain(columns: Columns, *names: str, scale: float = 1.0) -> list[Series]:
+    """Draw the columns `names` under their own names."""
+    names = [name for name in names if name in columns]
+    return [
+        Series(name, scale * columns[name], _PALETTE[i % len(_PALETTE)])
+        for i, name in enumerate(names)
+    ]
+
+
+def _forces(columns: Columns, axis: str) -> Panel:
+    """Draw one axis of the force breakdown: columns X_hull, X_propeller, ..., the known first."""
+    order = {f"{axis}_{component}": i for i, component in enumerate(FORCE_COMPONENTS)}
+    names = [name for name in columns if name.startswith(f"{axis}_")]
+    names.sort(key=lambda name: order.get(name, len(order)))
+    most = max((float(np.abs(columns[name]).max()) for name in names), default=0.0)
+    size, prefix = next((p for p in _PREFIXES if most >= p[0]), (1.0, ""))
+    unit = f"{prefix}N m" if axis == "N" else f"{prefix}N"
+    what = "moment" if axis == "N" else "force"
+    series = _plain(columns, *names, scale=1.0 / size)
+    return Panel(f"plots/force_{axis}", f"{axis}: {_SHARES[axis]} {what} [{unit}]", series)
+
+
+def _rewards(columns: Columns) -> list[str]:
+    return [name for name in columns if name == "reward" or name.startswith("reward_")]
+
+
+def _filled(*panels: Panel) -> list[Panel]:
+    return [panel for panel in panels if panel.series]

@@ -1,0 +1,303 @@
+"""Ship files: TOML with printed numbers, units and sources to a `Ship` in SI."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ship_gym.config import UNITS, ConfigError, build, check_known, merged, nearest, read_csv, read_toml
+from ship_gym.provenance import sha256
+from ship_gym.ships.b_series import b_series
+from ship_gym.ships.open_water import open_water_table
+from ship_gym.ships.particulars import (
+    Engine,
+    Hull,
+    Propeller,
+    Rudder,
+    Ship,
+    SteeringGear,
+    Trial,
+    check_sections,
+)
+from ship_gym.ships.scaling import scaled
+from ship_gym.tables import Table
+
+DATA = Path(__file__).parent / "data"
+_SECTIONS = {
+    "hull": Hull,
+    "propeller": Propeller,
+    "rudder": Rudder,
+    "gear": SteeringGear,
+    "engine": Engine,
+}
+_TOP = ("title", "status", "source", "scale", "rho", "nu", "speed", "surrogate", "open_water", "trial")
+_NUMBER_KEYS = ("value", "unit", "source", "estimated")
+
+
+def available_ships() -> list[str]:
+    """Names of the ships that come with the package."""
+    return sorted(path.parent.name for path in DATA.glob("*/ship.toml"))
+
+
+def available_variants(name: str) -> list[str]:
+    """Hull variants of a ship beside its default, e.g. ``["hull_a", "hull_c"]``."""
+    folder = _folder(name)
+    base = read_toml(folder / "ship.toml").get("scaled_from")
+    own = sorted(path.stem for path in folder.glob("hull_*.toml"))
+    return own + (available_variants(base) if base else [])
+
+
+def available_surrogates(name: str) -> list[str]:
+    """Propeller and rudder surrogates of a ship, ``"none"`` (MMG rudder) first."""
+    folder = _folder(name)
+    base = read_toml(folder / "ship.toml").get("scaled_from")
+    if base:
+        return available_surrogates(base)
+    return ["none", *sorted(p.stem.removeprefix("surrogate_") for p in folder.glob("surrogate_*.npz"))]
+
+
+def load_ship(name: str, *, surrogate: str | None = None, variant: str | None = None) -> Ship:
+    """Load a ship by name or from a ship file.
+
+    Parameters
+    ----------
+    name : str
+        One of `available_ships()`, or the path of a ``.toml`` file.
+    surrogate : str, optional
+        One of `available_surrogates(name)`; the ship file's default if omitted.
+    variant : str, optional
+        One of `available_variants(name)`: another published hull set.
+
+    Returns
+    -------
+    Ship
+        Everything in SI; ``ship.describe()`` lists the estimated numbers.
+
+    Raises
+    ------
+    ConfigError
+        Unknown name or key (with the nearest one), missing number, wrong unit or value.
+    """
+    return _load(str(name), surrogate, variant)
+
+
+@lru_cache(maxsize=32)
+def _load(name: str, surrogate: str | None, variant: str | None) -> Ship:
+    folder = _folder(name)
+    path = Path(name) if name.endswith(".toml") else folder / "ship.toml"
+    data = read_toml(path)
+    if "scaled_from" in data:
+        base = _load(str(data["scaled_from"]), surrogate, variant)
+        ship = _scaled_ship(base, data, path)
+    else:
+        if variant is not None:
+            check_known(f"hull variant of {name}", variant, available_variants(name))
+            data = merged(data, read_toml(folder / f"{variant}.toml"))
+        ship = _ship(data, path)
+        ship = _with_surrogate(ship, data, folder, name, surrogate)
+    ship = dataclasses.replace(ship, name=path.stem if name.endswith(".toml") else name)
+    check_sections(ship)
+    return ship
+
+
+def _folder(name: str) -> Path:
+    if str(name).endswith(".toml"):
+        return Path(name).parent
+    return DATA / check_known("ship", name, available_ships())
+
+
+def _ship(data: Mapping[str, Any], path: Path) -> Ship:
+    """Ship of a complete file, without its surrogate."""
+    for key in data:
+        if key not in _TOP and key not in _SECTIONS:
+            raise ConfigError(f"{path}: unknown key {key!r};{nearest(key, (*_TOP, *_SECTIONS))}")
+    for key in ("title", "status", "source", "scale", "rho", "nu", "speed", "open_water", *_SECTIONS):
+        if key not in data:
+            raise ConfigError(f"{path}: missing key {key!r}")
+    reader = _Reader(path, data["source"])
+    length = reader.number("hull.L", "m", data["hull"].get("L"), math.nan, data["source"])
+    sections = {
+        name: reader.section(name, cls, data[name], length) for name, cls in _SECTIONS.items()
+    }
+    top = {
+        key: reader.number(key, unit, data[key], length, data["source"])
+        for key, unit in (("scale", "-"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", "m/s"))
+    }
+    trials = tuple(build(Trial, trial, f"{path}: trial") for trial in data.get("trial", []))
+    return Ship(
+        name=path.parent.name,
+        title=data["title"],
+        status=data["status"],
+        open_water=_open_water(data["open_water"], path, reader),
+        variant=data["hull"].get("variant", "published"),
+        trials=trials,
+        sources=reader.sources,
+        estimated=reader.estimated,
+        **top,
+        **sections,
+    )
+
+
+def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
+    """Ship of a file that scales another one and replaces some of its numbers."""
+    allowed = ("title", "status", "scaled_from", "length", *_SECTIONS)
+    for key in data:
+        if key not in allowed:
+            raise ConfigError(f"{path}: unknown key {key!r};{nearest(key, allowed)}")
+    reader = _Reader(path, f"{base.name} by Froude's law")
+    length = reader.number("length", "m", data.get("length"), math.nan, "")
+    ship = scaled(base, length)
+    changes = {
+        name: reader.replaced(name, getattr(ship, name), data[name], length)
+        for name in _SECTIONS
+        if name in data
+    }
+    return dataclasses.replace(
+        ship,
+        title=data.get("title", ship.title),
+        status=data.get("status", ship.status),
+        sources={**ship.sources, **reader.sources},
+        estimated={
+            **{k: v for k, v in ship.estimated.items() if k not in reader.sources},
+            **reader.estimated,
+        },
+        **changes,
+    )
+
+
+class _Reader:
+    """Reads numbers of one file and collects where each comes from."""
+
+    def __init__(self, path: Path, source: str):
+        self.path, self.source = path, source
+        self.sources: dict[str, str] = {}
+        self.estimated: dict[str, str] = {}
+
+    def section(self, name: str, cls: type, values: Mapping[str, Any], length: float) -> Any:
+        """A dataclass of particulars; every field without a default must be there."""
+        self._check_keys(name, cls, values)
+        source = values.get("source", self.source)
+        made = {}
+        for field in dataclasses.fields(cls):
+            if field.name in values:
+                unit = field.metadata["unit"]
+                where = f"{name}.{field.name}"
+                made[field.name] = self.number(where, unit, values[field.name], length, source)
+            elif field.default is dataclasses.MISSING:
+                raise ConfigError(f"{self.path}: missing key {name}.{field.name!r}")
+        return cls(**made)
+
+    def replaced(self, name: str, section: Any, values: Mapping[str, Any], length: float) -> Any:
+        """An existing section with some numbers replaced."""
+        self._check_keys(name, type(section), values)
+        units = {f.name: f.metadata["unit"] for f in dataclasses.fields(section)}
+        changes = {
+            key: self.number(f"{name}.{key}", units[key], value, length, values.get("source", ""))
+            for key, value in values.items()
+            if key in units
+        }
+        return dataclasses.replace(section, **changes)
+
+    def _check_keys(self, name: str, cls: type, values: Mapping[str, Any]) -> None:
+        known = {field.name for field in dataclasses.fields(cls)}
+        for key in values:
+            if key not in known and key not in ("source", "variant"):
+                raise ConfigError(f"{self.path}: unknown key {name}.{key!r};{nearest(key, known)}")
+
+    def number(self, where: str, unit: str, entry: Any, length: float, source: str) -> float:
+        """One number in SI. A plain number is dimensionless; others are {value, unit, ...}."""
+        label = f"{self.path}: {where}"
+        if entry is None:
+            raise ConfigError(f"{label}: missing")
+        if not isinstance(entry, Mapping):
+            entry = {"value": entry, "unit": "-"}
+        for key in entry:
+            if key not in _NUMBER_KEYS:
+                raise ConfigError(f"{label}: unknown key {key!r};{nearest(key, _NUMBER_KEYS)}")
+        value, given = entry.get("value"), entry.get("unit", "-")
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise ConfigError(f"{label} = {value!r}: must be a finite number")
+        units = {**UNITS, "L": (length, "m")}
+        if given not in units or units[given][1] != unit:
+            allowed = [name for name, (_, si) in units.items() if si == unit]
+            raise ConfigError(f"{label}: unit {given!r} given, allowed is {' or '.join(allowed)}")
+        result = value * units[given][0]
+        if unit == "rad" and abs(result) > 2.0 * math.pi:
+            raise ConfigError(f"{label} = {value} {given}: looks like degrees, give unit = 'deg'")
+        self.sources[where] = entry.get("source", source)
+        if "estimated" in entry:
+            self.estimated[where] = str(entry["estimated"])
+        return result
+
+
+_OPEN_WATER_KEYS = ("source", "points", "degree", "K_T", "K_Q", "J_range", "b_series", "estimated")
+
+
+def _open_water(entry: Mapping[str, Any], path: Path, reader: _Reader) -> Table:
+    """Open-water table from points, polynomials or the B-series."""
+    for key in entry:
+        if key not in _OPEN_WATER_KEYS:
+            raise ConfigError(f"{path}: unknown key open_water.{key!r};{nearest(key, _OPEN_WATER_KEYS)}")
+    reader.sources["open_water"] = entry.get("source", reader.source)
+    if "estimated" in entry:
+        reader.estimated["open_water"] = str(entry["estimated"])
+    card = {"source": reader.sources["open_water"]}
+    if "K_T" in entry:
+        J_range = tuple(float(J) for J in entry["J_range"])
+        K_T = np.array(entry["K_T"][::-1], dtype=float)
+        if "K_Q" in entry:
+            K_Q = np.array(entry["K_Q"][::-1], dtype=float)
+        else:
+            J = np.linspace(*J_range, 33)
+            K_Q = np.polyfit(J, b_series(J, **entry["b_series"])[1], 3)
+        return open_water_table(K_T, K_Q, J_range, card)
+    points = read_csv(path.parent / entry["points"]).require("J", "K_T", "10K_Q")
+    J = points.columns["J"]
+    K_T = np.polyfit(J, points.columns["K_T"], entry["degree"])
+    K_Q = np.polyfit(J, 0.1 * points.columns["10K_Q"], entry["degree"])
+    card["points"] = {entry["points"]: sha256(path.parent / entry["points"])}
+    return open_water_table(K_T, K_Q, (float(J.min()), float(J.max())), card)
+
+
+def _with_surrogate(ship: Ship, data, folder: Path, name: str, wanted: str | None) -> Ship:
+    """Attach a fitted surrogate table and the effective-inflow law that was fitted with it."""
+    entry = data.get("surrogate", {})
+    wanted = wanted or entry.get("default", "none")
+    check_known(f"surrogate of {name}", wanted, available_surrogates(name))
+    if wanted == "none":
+        return ship
+    table = Table.load(folder / f"surrogate_{wanted}.npz")
+    return attach_surrogate(ship, table, wanted)
+
+
+def attach_surrogate(ship: Ship, table: Table, name: str) -> Ship:
+    """Ship with a deflected-rudder surrogate.
+
+    The table's card brings the effective-inflow constants fitted to the same samples; they replace
+    those of the MMG rudder. The surrogate is the force on the rudder alone, so X_R is its surge
+    force as it stands (t_R = 0). The port side keeps the ship's ratio of flow straightening, since
+    the samples are of turns to starboard only.
+    """
+    law = table.card["effective_inflow"]
+    asymmetry = ship.rudder.gamma_R_n / ship.rudder.gamma_R_p
+    rudder = dataclasses.replace(
+        ship.rudder,
+        t_R=0.0,
+        epsilon=law["epsilon"],
+        kappa=law["kappa"],
+        gamma_R_p=law["gamma_R"],
+        gamma_R_n=law["gamma_R"] * asymmetry,
+    )
+    fitted = f"fitted to the CFD samples of surrogate {name}"
+    names = ("epsilon", "kappa", "gamma_R_p", "gamma_R_n")
+    sources = {**ship.sources, **{f"rudder.{k}": fitted for k in names}}
+    sources["rudder.t_R"] = "0: the surrogate is the force on the rudder itself"
+    return dataclasses.replace(
+        ship, rudder=rudder, surrogate=table, surrogate_name=name, sources=sources
+    )

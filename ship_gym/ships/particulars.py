@@ -1,0 +1,259 @@
+"""Particulars of a ship as frozen dataclasses: a unit and a meaning on every field, SI inside.
+
+Hull derivatives are non-dimensional by 1/2 rho L d U^2 (forces) and 1/2 rho L^2 d U^2 (moments),
+added masses by 1/2 rho L^2 d and 1/2 rho L^4 d, with v' = v/U and r' = r L/U (Yasukawa & Yoshimura
+2015). The unit decides how a value changes with scale, see ``scaling.py``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+
+from ship_gym.config import ConfigError
+from ship_gym.tables import Table
+
+
+def quantity(unit: str, meaning: str, default: float | None = None) -> Any:
+    """Field of a dataclass: its SI unit, what it means and an optional default."""
+    metadata = {"unit": unit, "meaning": meaning}
+    if default is None:
+        return dataclasses.field(metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+@dataclasses.dataclass(frozen=True)
+class Hull:
+    """Geometry, mass, resistance and manoeuvring derivatives of the bare hull."""
+
+    L: float = quantity("m", "length between perpendiculars")
+    B: float = quantity("m", "beam at the waterline")
+    d: float = quantity("m", "draught")
+    volume: float = quantity("m3", "displacement volume")
+    x_G: float = quantity("m", "centre of gravity, forward of midship positive")
+    k_zz: float = quantity("m", "radius of gyration in yaw about the centre of gravity")
+    S: float = quantity("m2", "wetted surface of the bare hull")
+    form_factor: float = quantity("-", "1 + k on the ITTC-57 friction line")
+    C_A: float = quantity("-", "correlation allowance, on S; applies at full scale only")
+    C_D: float = quantity("-", "cross-flow drag coefficient at 90 deg of drift")
+    R_0: float = quantity("-", "resistance coefficient R0'")
+    X_vv: float = quantity("-", "surge by v'^2")
+    X_vr: float = quantity("-", "surge by v' r'")
+    X_rr: float = quantity("-", "surge by r'^2")
+    X_vvvv: float = quantity("-", "surge by v'^4")
+    Y_v: float = quantity("-", "sway by v'")
+    Y_r: float = quantity("-", "sway by r'")
+    Y_vvv: float = quantity("-", "sway by v'^3")
+    Y_vvr: float = quantity("-", "sway by v'^2 r'")
+    Y_vrr: float = quantity("-", "sway by v' r'^2")
+    Y_rrr: float = quantity("-", "sway by r'^3")
+    N_v: float = quantity("-", "yaw by v'")
+    N_r: float = quantity("-", "yaw by r'")
+    N_vvv: float = quantity("-", "yaw by v'^3")
+    N_vvr: float = quantity("-", "yaw by v'^2 r'")
+    N_vrr: float = quantity("-", "yaw by v' r'^2")
+    N_rrr: float = quantity("-", "yaw by r'^3")
+    m_x: float = quantity("-", "added mass in surge")
+    m_y: float = quantity("-", "added mass in sway")
+    J_z: float = quantity("-", "added moment of inertia in yaw")
+
+
+@dataclasses.dataclass(frozen=True)
+class Propeller:
+    """One propeller behind the hull."""
+
+    D: float = quantity("m", "diameter")
+    x_P: float = quantity("m", "position, forward of midship positive")
+    t_P: float = quantity("-", "thrust deduction")
+    w_P0: float = quantity("-", "effective wake fraction straight ahead")
+    wake_C1: float = quantity("-", "wake in manoeuvres, C1 of Yasukawa & Yoshimura; 0: not used", 0.0)
+    wake_C2_p: float = quantity("-", "their C2 for beta_P > 0", 1.0)
+    wake_C2_n: float = quantity("-", "their C2 for beta_P < 0", 1.0)
+    wake_beta2: float = quantity("-", "else w_P = w_P0 exp(-wake_beta2 beta_P^2)", 0.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class Rudder:
+    """Rudder, its effective-inflow law and its interaction with the hull."""
+
+    A_R: float = quantity("m2", "lateral area of the law")
+    A_movable: float = quantity("m2", "movable part of the lateral area")
+    f_alpha: float = quantity("-", "gradient of the normal force coefficient")
+    epsilon: float = quantity("-", "ratio of the wake at the rudder to that at the propeller")
+    kappa: float = quantity("-", "share of the race's acceleration that reaches the rudder")
+    eta: float = quantity("-", "share of the rudder's height in the race, D / H_R")
+    gamma_R_p: float = quantity("-", "flow straightening for beta_R > 0 (turn to starboard)")
+    gamma_R_n: float = quantity("-", "flow straightening for beta_R < 0 (turn to port)")
+    l_R: float = quantity("m", "effective lever of the yaw rate in beta_R, aft of midship negative")
+    x_R: float = quantity("m", "position of the rudder stock, aft of midship negative")
+    t_R: float = quantity("-", "steering resistance deduction")
+    a_H: float = quantity("-", "rudder force increase by the hull")
+    x_H: float = quantity("m", "point of attack of that increase, aft of midship negative")
+
+
+@dataclasses.dataclass(frozen=True)
+class SteeringGear:
+    """Steering gear: command to rate-limited rudder angle."""
+
+    delta_max: float = quantity("rad", "largest rudder angle")
+    rate: float = quantity("rad/s", "rudder rate")
+
+
+@dataclasses.dataclass(frozen=True)
+class Engine:
+    """Engine with a constant-rpm governor."""
+
+    n_max: float = quantity("rev/s", "largest propeller speed")
+    rate: float = quantity("rev/s2", "largest change of propeller speed per second")
+    time_constant: float = quantity("s", "first-order lag; 0: none")
+    torque_max: float = quantity("N m", "torque limit at the propeller", math.inf)
+
+
+@dataclasses.dataclass(frozen=True)
+class OpenWater:
+    """Axis of the open-water table (advance angle in the wake)."""
+
+    start: float = quantity("rad", "first advance angle")
+    step: float = quantity("rad", "distance of the grid points")
+
+
+@dataclasses.dataclass(frozen=True)
+class Surrogate:
+    """Axes, trained box and reference area of the deflected-rudder surrogate."""
+
+    delta: float = quantity("rad", "trained rudder angle; 0: no surrogate", 0.0)
+    S_R: float = quantity("m2", "reference area of C_Fx, C_Fy", 0.0)
+    J_min: float = quantity("-", "trained box: smallest advance ratio", 0.0)
+    J_max: float = quantity("-", "trained box: largest advance ratio", 1.0)
+    beta_min: float = quantity("rad", "trained box: smallest drift angle", 0.0)
+    beta_max: float = quantity("rad", "trained box: largest drift angle", 1.0)
+    epsilon_start: float = quantity("rad", "table: first advance angle", 0.0)
+    epsilon_step: float = quantity("rad", "table: step of the advance angle", 1.0)
+    beta_start: float = quantity("rad", "table: first drift angle", 0.0)
+    beta_step: float = quantity("rad", "table: step of the drift angle", 1.0)
+
+
+@dataclasses.dataclass(frozen=True)
+class Inertia:
+    """Dimensional mass matrix at midship, derived from the hull."""
+
+    m_u: float = quantity("kg", "m + m_x")
+    m_v: float = quantity("kg", "m + m_y")
+    m_xG: float = quantity("kg m", "m x_G")
+    I_r: float = quantity("kg m2", "I_zG + x_G^2 m + J_z")
+
+
+@dataclasses.dataclass(frozen=True)
+class Trial:
+    """A measured manoeuvre to compare with."""
+
+    manoeuvre: str  # "turning_circle" or "zigzag"
+    source: str
+    delta_deg: float  # rudder angle, > 0 to starboard
+    speed: float  # approach speed [m/s] at the scale of this ship
+    measures: dict[str, Any]  # name as in the result of the manoeuvre -> printed value
+    psi_deg: float = 0.0  # zig-zag heading; sign as delta
+    n: float | None = None  # propeller speed [rev/s]; None: self-propulsion
+
+
+@dataclasses.dataclass(frozen=True)
+class Ship:
+    """A ship: particulars in SI, its propeller tables, and where each number comes from.
+
+    Attributes
+    ----------
+    scale : float
+        Length of the full-scale ship divided by this one's (1 for full scale).
+    rho, nu : float
+        Water density [kg/m3] and kinematic viscosity [m2/s].
+    speed : float
+        Nominal speed [m/s].
+    open_water : Table
+        C_T, C_Q over the advance angle.
+    surrogate : Table or None
+        CFD surrogate at the trained rudder angle; None: MMG rudder, open-water propeller.
+    sources : dict
+        "section.field" to the source of its number.
+    estimated : dict
+        "section.field" to the reason, for every number that no source prints for this ship.
+    """
+
+    name: str
+    title: str
+    status: str
+    scale: float
+    rho: float
+    nu: float
+    speed: float
+    hull: Hull
+    propeller: Propeller
+    rudder: Rudder
+    gear: SteeringGear
+    engine: Engine
+    open_water: Table
+    surrogate: Table | None = None
+    surrogate_name: str = "none"
+    variant: str = "published"
+    trials: tuple[Trial, ...] = ()
+    sources: dict[str, str] = dataclasses.field(default_factory=dict)
+    estimated: dict[str, str] = dataclasses.field(default_factory=dict)
+
+    @property
+    def mass(self) -> float:
+        """Displacement mass [kg]."""
+        return self.rho * self.hull.volume
+
+    @property
+    def inertia(self) -> Inertia:
+        """Dimensional mass matrix."""
+        h, m = self.hull, self.mass
+        added = 0.5 * self.rho * h.L**2 * h.d
+        I_r = m * (h.k_zz**2 + h.x_G**2) + h.J_z * added * h.L**2
+        return Inertia(m + h.m_x * added, m + h.m_y * added, m * h.x_G, I_r)
+
+    @property
+    def time_unit(self) -> float:
+        """Model second in full-scale seconds by Froude's law: sqrt(scale)."""
+        return math.sqrt(self.scale)
+
+    def describe(self) -> str:
+        """What the model is and which of its numbers are estimates, as text."""
+        lines = [
+            f"{self.name}: {self.title}",
+            f"  status: {self.status}; hull set: {self.variant}; surrogate: {self.surrogate_name}",
+            f"  L {self.hull.L:.4g} m, B {self.hull.B:.4g} m, d {self.hull.d:.4g} m, "
+            f"nominal speed {self.speed:.4g} m/s (Fn {self.froude(self.speed):.3f})",
+        ]
+        lines += [f"  estimated {name}: {why}" for name, why in self.estimated.items()]
+        return "\n".join(lines)
+
+    def froude(self, speed: float) -> float:
+        """Froude number of a speed [m/s]."""
+        return speed / math.sqrt(9.80665 * self.hull.L)
+
+
+def check_sections(ship: Ship) -> None:
+    """Refuse numbers that no ship has; the message names the field, the value and what is allowed."""
+    positive = {
+        "hull": ("L", "B", "d", "volume", "k_zz", "S"),
+        "propeller": ("D",),
+        "rudder": ("A_R", "f_alpha", "eta"),
+        "gear": ("delta_max", "rate"),
+        "engine": ("n_max", "rate", "torque_max"),
+    }
+    for section, names in positive.items():
+        for name in names:
+            value = getattr(getattr(ship, section), name)
+            if not value > 0.0:
+                raise ConfigError(f"{ship.name}: {section}.{name} = {value}: must be > 0")
+    block = ship.hull.volume / (ship.hull.L * ship.hull.B * ship.hull.d)
+    if not 0.2 < block < 1.0:
+        raise ConfigError(f"{ship.name}: block coefficient {block:.3f}: allowed is 0.2 to 1")
+    if ship.gear.delta_max > math.pi / 2:
+        raise ConfigError(f"{ship.name}: gear.delta_max = {ship.gear.delta_max} rad: at most pi/2")
+    inertia = ship.inertia
+    if inertia.m_v * inertia.I_r <= inertia.m_xG**2 or not np.isfinite(inertia.I_r):
+        raise ConfigError(f"{ship.name}: the mass matrix is not positive definite")

@@ -1,0 +1,119 @@
+"""Ships as a numpy record array, the form the kernels read; the dtype comes from the dataclasses."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from ship_gym.config import ConfigError
+from ship_gym.ships.particulars import (
+    Engine,
+    Hull,
+    Inertia,
+    OpenWater,
+    Propeller,
+    Rudder,
+    Ship,
+    SteeringGear,
+    Surrogate,
+)
+from ship_gym.tables import Table
+
+SECTIONS = {
+    "hull": Hull,
+    "propeller": Propeller,
+    "rudder": Rudder,
+    "gear": SteeringGear,
+    "engine": Engine,
+    "inertia": Inertia,
+    "open_water": OpenWater,
+    "surrogate": Surrogate,
+}
+SURROGATE_NAMES = ("C_T", "C_Q", "C_S", "C_Fx", "C_Fy", "trust")
+
+
+def _section_dtype(cls: type) -> np.dtype:
+    return np.dtype((np.record, [(f.name, np.float64) for f in dataclasses.fields(cls)]))
+
+
+SHIP_DTYPE = np.dtype(
+    (
+        np.record,
+        [("rho", np.float64), ("kind", np.int64)]
+        + [(name, _section_dtype(cls)) for name, cls in SECTIONS.items()],
+    )
+)
+
+
+def surrogate_section(table: Table | None) -> Surrogate:
+    """Axes and trained box of a surrogate table; all zero without one."""
+    if table is None:
+        return Surrogate()
+    if table.names != SURROGATE_NAMES or len(table.axes) != 2:
+        raise ConfigError(f"surrogate table has {table.names}, needs {SURROGATE_NAMES}")
+    epsilon, beta = table.axes
+    return Surrogate(
+        **table.card["domain"],
+        epsilon_start=epsilon.start,
+        epsilon_step=epsilon.step,
+        beta_start=beta.start,
+        beta_step=beta.step,
+    )
+
+
+@dataclasses.dataclass(frozen=True)
+class Fleet:
+    """Records and tables of n ships.
+
+    Attributes
+    ----------
+    records : numpy.ndarray
+        SHIP_DTYPE, shape (n,). Domain randomisation is a write to one of its columns.
+    water, deflected : numpy.ndarray
+        Tables of each kind of ship, shapes (kinds, count, 2) and (kinds, count, count, 6).
+    """
+
+    records: np.ndarray
+    water: np.ndarray
+    deflected: np.ndarray
+
+
+def fleet(ships: list[Ship]) -> Fleet:
+    """Records of `ships`, one row each; ships of one kind share their tables."""
+    kinds: list[Ship] = []
+    records = np.zeros(len(ships), SHIP_DTYPE)
+    rows: dict[int, int] = {}
+    for i, ship in enumerate(ships):
+        if id(ship) not in rows:
+            kinds.append(ship)
+            rows[id(ship)] = i
+            _fill(records[i], ship, kind=len(kinds) - 1)
+        else:
+            records[i] = records[rows[id(ship)]]
+    water = _stacked([ship.open_water.values for ship in kinds], "open-water")
+    present = [ship.surrogate.values for ship in kinds if ship.surrogate is not None]
+    blank = np.zeros_like(present[0]) if present else np.zeros((2, 2, len(SURROGATE_NAMES)))
+    tables = [blank if ship.surrogate is None else ship.surrogate.values for ship in kinds]
+    return Fleet(records, water, _stacked(tables, "surrogate"))
+
+
+def _fill(record: np.record, ship: Ship, kind: int) -> None:
+    axis = ship.open_water.axes[0]
+    parts = {
+        **{name: getattr(ship, name) for name in ("hull", "propeller", "rudder", "gear", "engine")},
+        "inertia": ship.inertia,
+        "open_water": OpenWater(axis.start, axis.step),
+        "surrogate": surrogate_section(ship.surrogate),
+    }
+    record["rho"], record["kind"] = ship.rho, kind
+    for name, part in parts.items():
+        for field in dataclasses.fields(part):
+            record[name][field.name] = getattr(part, field.name)
+
+
+def _stacked(tables: list[np.ndarray], name: str) -> np.ndarray:
+    shapes = {table.shape for table in tables}
+    if len(shapes) > 1:
+        raise ConfigError(f"the {name} tables of one fleet must have one grid, got {sorted(shapes)}")
+    return np.stack(tables)

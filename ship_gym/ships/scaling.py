@@ -1,0 +1,105 @@
+"""A ship at another size: Froude's law for everything but friction."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+from ship_gym.config import check_number
+from ship_gym.conventions import NU_SEA, RHO_SEA
+from ship_gym.ships.particulars import Ship
+
+# SI unit -> power of the length ratio by Froude's law
+_POWERS = {
+    "-": 0.0,
+    "rad": 0.0,
+    "m": 1.0,
+    "m2": 2.0,
+    "m3": 3.0,
+    "s": 0.5,
+    "m/s": 0.5,
+    "rad/s": -0.5,
+    "rev/s": -0.5,
+    "rev/s2": -1.0,
+    "N m": 4.0,
+}
+
+
+def ittc57(reynolds: float) -> float:
+    """ITTC-57 friction coefficient C_F = 0.075 / (log10 Re - 2)^2."""
+    return 0.075 / (math.log10(reynolds) - 2.0) ** 2
+
+
+def scaled_section(section, ratio: float, density_ratio: float = 1.0):
+    """A section of particulars, every field multiplied by its power of the length ratio."""
+    changes = {}
+    for field in dataclasses.fields(section):
+        unit = field.metadata["unit"]
+        factor = ratio ** _POWERS[unit] * (density_ratio if unit == "N m" else 1.0)
+        changes[field.name] = getattr(section, field.name) * factor
+    return dataclasses.replace(section, **changes)
+
+
+def scaled(
+    ship: Ship,
+    length: float,
+    *,
+    rho: float = RHO_SEA,
+    nu: float = NU_SEA,
+    friction_correction: bool = True,
+    name: str | None = None,
+) -> Ship:
+    """The same ship at another length.
+
+    Resistance, in the basis of R0' (1/2 rho L d U^2), at the nominal speed:
+    R0'(new) = R0'(old) - ((1 + k) (C_F,old - C_F,new) - C_A) S / (L d), C_A added at full scale
+    only. Thrust deduction, wake and rudder constants are kept.
+
+    Parameters
+    ----------
+    ship : Ship
+    length : float
+        New length between perpendiculars [m].
+    rho, nu : float
+        Density [kg/m3] and kinematic viscosity [m2/s] of the new ship's water.
+    friction_correction : bool
+        False keeps R0' (a self-propelled model without towing force).
+    """
+    ratio = check_number("length", length, 0.1, 1000.0, "m") / ship.hull.L
+    hull = scaled_section(ship.hull, ratio)
+    speed = ship.speed * math.sqrt(ratio)
+    scale = ship.scale / ratio
+    if friction_correction:
+        old = ittc57(ship.speed * ship.hull.L / ship.nu)
+        new = ittc57(speed * hull.L / nu)
+        allowance = hull.C_A if abs(scale - 1.0) < 1e-6 else 0.0
+        change = (hull.form_factor * (old - new) - allowance) * hull.S / (hull.L * hull.d)
+        hull = dataclasses.replace(hull, R_0=hull.R_0 - change)
+    root = math.sqrt(ratio)
+    trials = tuple(
+        dataclasses.replace(t, speed=t.speed * root, n=None if t.n is None else t.n / root)
+        for t in ship.trials
+    )
+    return dataclasses.replace(
+        ship,
+        name=name or f"{ship.name} at {length:g} m",
+        scale=scale,
+        rho=rho,
+        nu=nu,
+        speed=speed,
+        hull=hull,
+        propeller=scaled_section(ship.propeller, ratio),
+        rudder=scaled_section(ship.rudder, ratio),
+        gear=scaled_section(ship.gear, ratio),
+        engine=scaled_section(ship.engine, ratio, rho / ship.rho),
+        surrogate=_scaled_surrogate(ship.surrogate, ratio),
+        trials=trials,
+    )
+
+
+def _scaled_surrogate(table, ratio: float):
+    """The surrogate's coefficients do not change; its reference area does."""
+    if table is None:
+        return None
+    domain = {**table.card["domain"], "S_R": table.card["domain"]["S_R"] * ratio**2}
+    return dataclasses.replace(table, card={**table.card, "domain": domain})

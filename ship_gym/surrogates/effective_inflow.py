@@ -1,0 +1,98 @@
+"""Constants of the effective-inflow rudder law, fitted to CFD samples at one rudder angle."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ship_gym.physics.rudder import axial_inflow, normal_force, straightening
+from ship_gym.ships.particulars import Ship
+from ship_gym.ships.records import fleet
+
+
+@dataclasses.dataclass(frozen=True)
+class RudderSamples:
+    """Forces on the rudder in pure drift at one angle, in the source's axes (y to port).
+
+    Attributes
+    ----------
+    J, beta, K_T, C_Fx, C_Fy : numpy.ndarray
+        Shape (n,); beta in rad.
+    delta : float
+        Rudder angle [rad].
+    S_R : float
+        Reference area of the coefficients [m2].
+    """
+
+    J: np.ndarray
+    beta: np.ndarray
+    K_T: np.ndarray
+    C_Fx: np.ndarray
+    C_Fy: np.ndarray
+    delta: float
+    S_R: float
+
+
+def normal_coefficient(C_Fx, C_Fy, delta: float):
+    """C_N = C_Fy cos(delta) - C_Fx sin(delta)."""
+    return C_Fy * math.cos(delta) - C_Fx * math.sin(delta)
+
+
+def law_coefficients(samples: RudderSamples, record: np.record) -> np.ndarray:
+    """C_N of the effective-inflow law at the samples, from the very kernels of the simulation.
+
+    The reference speed is that of the samples, u^2 (1 + 8 K_T / (pi J^2)) + v^2, with n D = 1.
+    """
+    D, rho = float(record.propeller.D), float(record.rho)
+    result = np.empty(len(samples.J))
+    for i, (J, beta, K_T) in enumerate(zip(samples.J, samples.beta, samples.K_T, strict=True)):
+        u, v = J, -J * math.tan(beta)  # our sway is to starboard
+        thrust = K_T * rho * D * D  # with n D = 1
+        w = record.propeller.w_P0 * math.exp(-record.propeller.wake_beta2 * beta * beta)
+        u_R = axial_inflow(u, (thrust, 1.0 - w, 0.0), record)
+        v_g = math.hypot(u, v) * beta
+        v_R = straightening(v_g, 1.0, record.rudder) * v_g
+        F_N = normal_force(samples.delta, u_R, v_R, record.rudder, rho)
+        u_ref2 = u * u + 8.0 * K_T / math.pi + v * v
+        result[i] = F_N / (0.5 * rho * samples.S_R * u_ref2)
+    return result
+
+
+def fit_effective_inflow(samples: RudderSamples, ship: Ship) -> dict[str, object]:
+    """Fit epsilon, kappa and gamma_R of the law to samples by relative least squares.
+
+    The remaining constants (f_alpha, eta, wake) are the ship's own.
+
+    Parameters
+    ----------
+    samples : RudderSamples
+    ship : Ship
+        Without surrogate; its wake must be of the Gaussian kind (``wake_C1 = 0``).
+
+    Returns
+    -------
+    dict
+        epsilon, kappa, gamma_R and the relative errors [%] at the samples.
+    """
+    record = fleet([ship]).records[0].copy()
+    measured = normal_coefficient(samples.C_Fx, samples.C_Fy, samples.delta)
+
+    def relative(p):
+        record.rudder["epsilon"], record.rudder["kappa"] = p[0], p[1]
+        record.rudder["gamma_R_p"] = p[2]
+        return law_coefficients(samples, record) / measured - 1.0
+
+    start = [ship.rudder.epsilon, ship.rudder.kappa, ship.rudder.gamma_R_p]
+    found = least_squares(relative, start, bounds=([0.3, 0.0, 0.0], [2.0, 1.5, 1.5]))
+    epsilon, kappa, gamma_R = (float(p) for p in found.x)
+    errors = 100.0 * relative(found.x)
+    return {
+        "epsilon": epsilon,
+        "kappa": kappa,
+        "gamma_R": gamma_R,
+        "errors_percent": [round(float(e), 3) for e in errors],
+        "mean_abs_error_percent": float(np.abs(errors).mean()),
+    }

@@ -1,0 +1,113 @@
+"""What is drawn points the right way: starboard is east of north, commands turn as they should."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ship_gym.recording import panels, plan, scene
+from ship_gym.recording.about import run_name
+
+SHIP = scene.ShipShape(L=230.0, B=32.2, d=10.8, A_R=115.0, D_P=7.9)
+
+
+def rotate(quaternion: np.ndarray, vector: list[float]) -> np.ndarray:
+    axis, real = quaternion[:3], quaternion[3]
+    spin = 2.0 * np.cross(axis, vector)
+    return vector + real * spin + np.cross(axis, spin)
+
+
+def test_heading_east_points_the_bow_east():
+    turn = scene.turned(np.array([np.pi / 2]), axis=2)[0]
+    assert rotate(turn, [1.0, 0.0, 0.0]) == pytest.approx([0.0, 1.0, 0.0])
+
+
+def test_starboard_rudder_has_its_trailing_edge_to_starboard():
+    _, low, _ = scene.rudder_plate(SHIP)
+    trailing = rotate(scene.turned(np.array([-0.6]), axis=2)[0], [low[0], 0.0, 0.0])
+    assert trailing[1] > 0.0
+
+
+def test_propeller_turns_right_handed():
+    columns = {"t": np.array([0.0, 1.0]), "n": np.array([0.25, 0.25])}
+    angle = scene.propeller_angle(columns)
+    top = rotate(scene.turned(angle, axis=0)[1], [0.0, 0.0, -1.0])
+    assert top == pytest.approx([0.0, 1.0, 0.0])  # the upper blade goes to starboard
+
+
+def test_rudder_and_propeller_fit_under_the_counter():
+    stock, low, high = scene.rudder_plate(SHIP)
+    centre, vertices, _ = scene.propeller_mesh(SHIP)
+    assert stock[2] + high[2] < SHIP.d
+    assert stock[2] + low[2] > 0.0
+    assert (high[0] - low[0]) * (high[2] - low[2]) == pytest.approx(SHIP.A_R)
+    assert centre[2] + vertices[:, 2].max() < SHIP.d
+    assert np.linalg.norm(vertices[:, 1:], axis=1).max() == pytest.approx(SHIP.D_P / 2, rel=0.05)
+    assert (centre[0] + vertices[:, 0]).min() > stock[0] + high[0]
+
+
+def test_arrows_point_where_their_names_say():
+    columns = {"psi_ordered": [0.0], "current_speed": [0.5], "current_direction_to": [np.pi / 2]}
+    columns |= {"wind_speed": [9.0], "wind_direction_from": [0.0], "psi": [np.pi / 2]}
+    columns |= {"X_disturbance": [0.0], "Y_disturbance": [5.0]}
+    found = scene.arrows({name: np.array(value) for name, value in columns.items()}, 100.0)
+    ways = {a.name: a.vectors[0] / np.linalg.norm(a.vectors[0]) for a in found}
+    assert ways["ordered_heading"] == pytest.approx([1.0, 0.0, 0.0])
+    assert ways["current"] == pytest.approx([0.0, 1.0, 0.0])
+    assert ways["wind"] == pytest.approx([-1.0, 0.0, 0.0])
+    assert ways["disturbance"] == pytest.approx([-1.0, 0.0, 0.0])  # starboard of east is south
+
+
+def test_wake_is_whole_and_bounded():
+    points = np.cumsum(np.ones((36000, 2)), axis=0)
+    rows, pieces = scene.wake(points)
+    assert len(rows) <= scene.MOST_WAKE_POINTS
+    assert rows[0] == 0
+    assert rows[-1] == 35999
+    assert np.array_equal(pieces[1:, 0], pieces[:-1, 1])
+
+
+def test_plan_has_north_up_and_east_right():
+    assert plan.to_plan(np.array([1.0, 0.0])).tolist() == [0.0, -1.0]
+    assert plan.to_plan(np.array([0.0, 1.0])).tolist() == [1.0, 0.0]
+    low, high = plan.plan_bounds(np.array([[0.0, 0.0], [400.0, -100.0]]), 50.0)
+    assert (high - low).tolist() == [500.0, 500.0]
+    lines, places, labels = plan.grid_lines(low, high)
+    assert len(lines) == len(places) == len(labels)
+    assert "E 100 m" in labels
+    assert "N 100 m" in labels
+    assert "E 0 m" in labels
+
+
+def test_heading_is_drawn_without_jumps():
+    psi = (np.linspace(0.0, 4.0 * np.pi, 50) + np.pi) % (2.0 * np.pi) - np.pi
+    columns = {"psi": psi, "psi_ordered": np.zeros(50)}
+    heading, ordered = panels.steering_panels(columns)[0].series
+    assert np.abs(np.diff(heading.values)).max() < 20.0
+    assert heading.values[-1] == pytest.approx(720.0)
+    assert np.abs(heading.values - ordered.values).max() <= 180.0 + 1e-9
+
+
+def test_forces_are_grouped_by_axis_in_a_fitting_unit():
+    columns = {f"{a}_{c}": np.array([-2e3, 1e3]) for a in "XN" for c in ("wind", "rudder", "hull")}
+    surge, yaw = panels.motion_panels(columns)
+    assert surge.title == "X: surge force [kN]"
+    assert yaw.title == "N: yaw moment [kN m]"
+    assert [s.label for s in surge.series] == ["X_hull", "X_rudder", "X_wind"]
+    assert surge.series[0].values.tolist() == [-2.0, 1.0]
+
+
+def test_given_heading_error_comes_first():
+    columns = {"psi": np.ones(1), "psi_ordered": np.zeros(1), "psi_error": np.full(1, 0.5)}
+    assert panels.heading_error(columns) == [0.5]
+    del columns["psi_error"]
+    assert panels.heading_error(columns) == [1.0]
+    del columns["psi_ordered"]
+    assert panels.heading_error(columns) is None
+
+
+def test_run_names():
+    assert run_name({}) == "Ship Gym run"
+    assert (
+        run_name({"task": "heading", "ship": {"name": "kcs"}, "seed": 0}) == "heading, kcs, seed 0"
+    )

@@ -1,0 +1,173 @@
+"""Recordings give back every bit, are written whole or not at all, and show what they can."""
+
+from __future__ import annotations
+
+import gc
+import os
+
+import numpy as np
+import pytest
+
+from ship_gym.recording import Trajectory
+
+rr = pytest.importorskip("rerun")
+chunk = pytest.importorskip("rerun.chunk")
+
+from ship_gym.recording import rerun_export  # noqa: E402 (needs rerun)
+
+pytestmark = pytest.mark.filterwarnings("error::rerun.error_utils.RerunWarning")
+
+SHIP = {"name": "kcs", "L": 230.0, "B": 32.2, "d": 10.8, "A_R": 115.0, "D_P": 7.9}
+
+
+def steered_run(rows: int = 60) -> Trajectory:
+    """A run with all that a viewer can show."""
+    t = np.arange(rows) * 1.0
+    psi = 0.01 * t
+    columns = {"t": t, "x": 7.0 * np.sin(psi) / 0.01, "y": 7.0 * (1.0 - np.cos(psi)) / 0.01}
+    columns |= {"psi": psi, "u": 7.0 + 0.0 * t, "v": -0.1 * t, "r": 0.01 + 0.0 * t}
+    columns |= {"delta": 0.1 * np.sin(t), "n": 1.4 + 0.0 * t, "psi_ordered": 0.3 + 0.0 * t}
+    columns |= {"delta_command": 0.1 + 0.0 * t, "n_command": 1.4 + 0.0 * t, "reward": -psi}
+    columns |= {f"{axis}_{part}": 1e5 * np.cos(t) for axis in "XYN" for part in ("hull", "rudder")}
+    columns |= {f"{axis}_disturbance": 1e3 * np.sin(t) for axis in "XYN"}
+    columns |= {"reward_heading": -psi, "current_speed": 0.5 + 0.0 * t, "wind_speed": 9.0 + 0.0 * t}
+    columns |= {"current_direction_to": 1.0 + 0.0 * t, "wind_direction_from": 2.0 + 0.0 * t}
+    return Trajectory(
+        columns, {"task": "heading", "seed": 3, "ship": SHIP, "waypoints": [[0, 0], [9, 9]]}
+    )
+
+
+def entities(path) -> set[str]:
+    return {part.entity_path for part in chunk.RrdReader(path).stream()}
+
+
+def same(one: Trajectory, two: Trajectory) -> bool:
+    bits = all(one[name].tobytes() == two[name].tobytes() for name in one.names)
+    return one.names == two.names and one.meta == two.meta and bits
+
+
+def test_round_trip_keeps_every_bit(tmp_path):
+    rng = np.random.default_rng(1)
+    t = np.cumsum(rng.uniform(1e-12, 1e-2, 500)) - 2.0  # some steps below rerun's nanosecond
+    bits = rng.integers(0, 2**63, 500).astype(np.uint64).view(np.float64)
+    columns = {
+        "t": t,
+        "any bits": np.where(np.isfinite(bits), bits, -0.0),
+        "tiny": np.full(500, -5e-324),
+        "reward/heading.x:y": rng.normal(size=500),
+        "sim_time": rng.normal(size=500),
+        "rerun.controls.RowId": rng.normal(size=500),
+        "json": rng.normal(size=500),
+        "\u03c8 [\u00b0]": rng.normal(size=500),
+    }
+    meta = {
+        "config": {"deep": [1, 2.5, None, True, {"\u03c8": "\u00b0\n"}]},
+        "seed": 2**60,
+        "x": 0.1,
+    }
+    run = Trajectory(columns, meta)
+    run.to_rrd(tmp_path / "run.rrd")
+    assert same(run, Trajectory.from_rrd(tmp_path / "run.rrd"))
+
+
+def test_everything_is_shown_and_small(tmp_path):
+    run = steered_run(600)
+    path = tmp_path / "run.rrd"
+    run.to_rrd(path)
+    assert same(run, Trajectory.from_rrd(path))
+    assert path.stat().st_size < 2e6
+    shown = entities(path)
+    for name in ("hull", "house", "rudder", "propeller", "ahead"):
+        assert f"/world/ship/{name}" in shown
+    for name in ("compass", "ordered_heading", "current", "wind", "disturbance"):
+        assert f"/world/at_ship/{name}" in shown
+    for name in ("heading", "heading_error", "rudder", "rpm", "speed", "yaw_rate", "reward"):
+        assert f"/plots/{name}" in shown
+    assert {"/plots/force_X", "/plots/force_Y", "/plots/force_N"} <= shown
+    assert {"/plan/track", "/plan/ship", "/plan/grid", "/plan/route", "/about"} <= shown
+    assert chunk.RrdReader(path).blueprints()
+
+
+@pytest.mark.parametrize(
+    ("kept", "shown", "hidden"),
+    [
+        (["x", "y", "psi", "delta"], "/world/ship/hull", "/plots/reward"),
+        (["psi", "delta"], "/plots/rudder", "/world/sea"),
+        (["reward"], "/plots/reward", "/plots/heading"),
+        ([], "/about", "/plan/track"),
+    ],
+)
+def test_missing_groups_are_left_out(tmp_path, kept, shown, hidden):
+    run = steered_run()
+    run = Trajectory({name: run[name] for name in ["t", *kept]}, run.meta)
+    run.to_rrd(tmp_path / "run.rrd")
+    assert same(run, Trajectory.from_rrd(tmp_path / "run.rrd"))
+    found = entities(tmp_path / "run.rrd")
+    assert shown in found
+    assert hidden not in found
+
+
+@pytest.mark.parametrize("ship", [None, "kcs", {"name": "kcs"}, {"L": 3.0, "B": 0.4, "d": 0.1}])
+def test_ship_sizes_are_optional(tmp_path, ship):
+    run = Trajectory(steered_run(1).columns, {"ship": ship})  # one row is enough, too
+    run.to_rrd(tmp_path / "run.rrd")
+    sized = isinstance(ship, dict) and "L" in ship
+    assert ("/world/ship/hull" in entities(tmp_path / "run.rrd")) == sized
+
+
+def test_several_recordings_in_one_process(tmp_path):
+    runs = [steered_run(rows) for rows in (5, 6, 7)]
+    for k, run in enumerate(runs):
+        run.to_rrd(tmp_path / f"{k}.rrd")
+    gc.collect()
+    for k, run in enumerate(runs):
+        assert same(run, Trajectory.from_rrd(tmp_path / f"{k}.rrd"))
+        assert len(chunk.RrdReader(tmp_path / f"{k}.rrd").recordings()) == 1
+    assert rr.get_global_data_recording() is None
+    assert rr.get_thread_local_data_recording() is None
+
+
+def test_rewritten_and_split_file_still_reads(tmp_path):
+    run = steered_run()
+    run.to_rrd(tmp_path / "run.rrd")
+    parts = list(chunk.RrdReader(tmp_path / "run.rrd").stream())[::-1]
+    again = chunk.LazyChunkStream.from_iter(parts)
+    again.write_rrd(tmp_path / "again.rrd", application_id="a", recording_id="b")
+    assert same(run, Trajectory.from_rrd(tmp_path / "again.rrd"))
+
+
+@pytest.mark.parametrize("step", ["_log_scene", "_log_panel", "_blueprint", "_check_written"])
+def test_interrupted_write_leaves_the_old_file(tmp_path, monkeypatch, step):
+    path = tmp_path / "run.rrd"
+    path.write_bytes(b"old")
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(rerun_export, step, interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        steered_run().to_rrd(path)
+    assert path.read_bytes() == b"old"
+    assert os.listdir(tmp_path) == ["run.rrd"]
+
+
+def test_incomplete_file_is_noticed(tmp_path, monkeypatch):
+    monkeypatch.setattr(rerun_export, "_log_record", lambda *_: None)
+    with pytest.raises(OSError, match="could not be written"):
+        steered_run().to_rrd(tmp_path / "run.rrd")
+    assert os.listdir(tmp_path) == []
+
+
+def test_other_files_are_refused(tmp_path):
+    with pytest.raises(FileNotFoundError, match="no recording"):
+        Trajectory.from_rrd(tmp_path / "none.rrd")
+    (tmp_path / "text.rrd").write_text("not a recording")
+    with pytest.raises(ValueError, match="not a readable"):
+        Trajectory.from_rrd(tmp_path / "text.rrd")
+    stream = rr.RecordingStream("other")
+    stream.save(tmp_path / "other.rrd")
+    stream.log("text", rr.TextLog("hello"), static=True)
+    stream.flush()
+    stream.disconnect()
+    with pytest.raises(ValueError, match="not a recording of Ship Gym"):
+        Trajectory.from_rrd(tmp_path / "other.rrd")
