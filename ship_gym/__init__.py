@@ -1,0 +1,48 @@
+"""Ship Gym: environments, simulator and benchmark for ship autopilots.
+
+``import ship_gym`` registers the Gymnasium ids and is light; everything below loads on first use.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from ship_gym.envs.registration import ENVIRONMENTS, register_all
+
+__version__ = "0.1.0"
+
+# public name -> module that defines it
+_PUBLIC = {
+    "Sea": "ship_gym.sea.state",
+    "Ship": "ship_gym.ships.particulars",
+    "ShipEnv": "ship_gym.envs.env",
+    "ShipSim": "ship_gym.simulation",
+    "ShipVectorEnv": "ship_gym.envs.vector_env",
+    "Trajectory": "ship_gym.recording.trajectory",
+    "available_scenarios": "ship_gym.scenarios.scenario",
+    "available_seas": "ship_gym.sea.state",
+    "available_ships": "ship_gym.ships.loader",
+    "available_surrogates": "ship_gym.ships.loader",
+    "load_scenario": "ship_gym.scenarios.scenario",
+    "load_sea": "ship_gym.sea.state",
+    "load_ship": "ship_gym.ships.loader",
+    "scaled": "ship_gym.ships.scaling",
+}
+
+__all__ = [*sorted(_PUBLIC), "ENVIRONMENTS", "__version__"]
+
+register_all()
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name on first use (PEP 562)."""
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'ship_gym' has no attribute {name!r}")
+    value = getattr(importlib.import_module(_PUBLIC[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(set(globals()) | set(_PUBLIC))

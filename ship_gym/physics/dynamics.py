@@ -6,7 +6,12 @@ import math
 
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.hull import hull_forces
-from ship_gym.physics.propeller import advance_ratio, propeller_forces
+from ship_gym.physics.propeller import (
+    advance_ratio,
+    outside_box,
+    propeller_forces,
+    surrogate_blend,
+)
 from ship_gym.physics.rudder import rudder_forces
 
 
@@ -34,12 +39,26 @@ def forces(motion, controls, ship, tables):
         (``conventions.FLOW_NAMES``).
     """
     u, v, r = motion
+    drift = (math.sqrt(u * u + v * v), math.atan2(-v, u))
     on_hull = hull_forces(u, v, r, ship.hull, ship.rho)
-    on_propeller, race, beta_P, outside_P = propeller_forces(motion, controls, ship, tables)
-    on_rudder, F_N, beta_R, outside_R = rudder_forces(motion, controls, race, ship, tables[1])
+    on_propeller, race, local = propeller_forces(motion, controls, drift, ship, tables)
+    epsilon, beta_P = local
+    on_rudder, F_N, beta_R = rudder_forces(
+        motion, controls, drift, race, epsilon, ship, tables[1]
+    )
     J = advance_ratio(u, controls[1], ship.propeller.D)
-    flow = (J, beta_P, beta_R, race[0], race[2], F_N, max(outside_P, outside_R))
+    outside = extrapolation(J, beta_P, beta_R, controls[0], ship.surrogate)
+    flow = (J, beta_P, beta_R, race[0], race[2], F_N, outside)
     return on_hull, on_propeller, on_rudder, flow
+
+
+@kernel
+def extrapolation(J, beta_P, beta_R, delta, box):
+    """Largest distance of propeller and rudder outside the trained box, 0 inside or amidships."""
+    blend, side = surrogate_blend(delta, box)
+    if blend <= 0.0:
+        return 0.0
+    return max(outside_box(J, side * beta_P, box), outside_box(J, side * beta_R, box))
 
 
 @kernel

@@ -13,21 +13,19 @@ from ship_gym.physics._kernel import kernel
 from ship_gym.physics.interpolate import bilinear, cell, linear
 
 # Channels of ``Ship.surrogate`` (coefficients over the advance angle) and of ``Ship.open_water``.
-C_T, C_Q, C_S, C_FX, C_FY, TRUST = range(6)
+C_T, C_Q, C_S, C_N, C_A, TRUST = range(6)
 J_LIMIT = 10.0  # reported advance ratio of a stopped propeller instead of infinity
 
 
 @kernel
-def wake(u, v, r, propeller, L):
+def wake(flow, r, propeller):
     """Effective velocity ratio 1 - w_P while manoeuvring.
 
-    YY15 if ``wake_C1 > 0``; otherwise ``w_P = w_P0 exp(-wake_beta2 beta_P^2)`` (Yoshimura et
-    al. 2013). beta_P = beta - x'_P r' (YY15).
+    YY15 if ``wake_C1 > 0``; otherwise ``w_P = w_P0 exp(-wake_beta2 beta_P^2)`` (Yoshimura et al.
+    2013). beta_P = beta - x'_P r' (YY15); `flow` is (U [m/s], beta [rad]).
     """
-    U = math.sqrt(u * u + v * v)
-    beta_P = 0.0
-    if U > 0.0:
-        beta_P = math.atan2(-v, u) - propeller.x_P * r / U
+    U, beta = flow
+    beta_P = beta - propeller.x_P * r / U if U > 0.0 else 0.0
     if propeller.wake_C1 > 0.0:
         C2 = propeller.wake_C2_p if beta_P > 0.0 else propeller.wake_C2_n
         rise = (1.0 - math.exp(-propeller.wake_C1 * abs(beta_P))) * (C2 - 1.0)
@@ -67,10 +65,8 @@ def surrogate_blend(delta, surrogate):
 
 
 @kernel
-def outside_box(u, n, beta, ship):
+def outside_box(J, beta, box):
     """Distance of (J, beta) from the trained box as a fraction of its size, 0 inside."""
-    box = ship.surrogate
-    J = advance_ratio(u, n, ship.propeller.D)
     dJ = max(box.J_min - J, J - box.J_max) / (box.J_max - box.J_min)
     dB = max(box.beta_min - beta, beta - box.beta_max) / (box.beta_max - box.beta_min)
     return max(0.0, dJ, dB)
@@ -85,7 +81,7 @@ def advance_ratio(u, n, D):
 
 
 @kernel
-def propeller_forces(motion, controls, ship, tables):
+def propeller_forces(motion, controls, flow, ship, tables):
     """Thrust, side force and torque of the propeller behind the hull.
 
     Parameters
@@ -94,6 +90,8 @@ def propeller_forces(motion, controls, ship, tables):
         u, v [m/s], r [rad/s] through the water.
     controls : (float, float)
         Rudder angle [rad], propeller speed [rev/s] >= 0.
+    flow : (float, float)
+        Speed U [m/s] and drift angle beta [rad] at midship.
     ship : record
     tables : (ndarray, ndarray)
         Open-water table (count, 2) and surrogate table (count, count, 6) of this ship.
@@ -104,27 +102,26 @@ def propeller_forces(motion, controls, ship, tables):
         X = (1 - t_P) T, Y [N] and N [N m].
     race : (float, float, float)
         Thrust T [N], velocity ratio 1 - w_P, torque Q [N m].
-    beta_P, outside : float
-        Local drift at the propeller [rad]; distance outside the trained box.
+    local : (float, float)
+        Advance angle epsilon of the ship's speed and drift beta_P at the propeller [rad].
     """
     u, v, r = motion
-    delta, n = controls
-    p = ship.propeller
-    ratio = wake(u, v, r, p, ship.hull.L)
+    n = controls[1]
+    p, axis = ship.propeller, ship.open_water
+    ratio = wake(flow, r, p)
     u_A = ratio * u
     water = tables[0]
-    i, w = cell(advance_angle(u_A, n, p.D), ship.open_water.start, ship.open_water.step, water.shape[0])
+    i, w = cell(advance_angle(u_A, n, p.D), axis.start, axis.step, water.shape[0])
     q = advance_pressure(u_A, n, p, ship.rho)
     T, Q, S = q * linear(water, i, w, C_T), q * p.D * linear(water, i, w, C_Q), 0.0
+    epsilon = advance_angle(u, n, p.D)
     beta_P = math.atan2(-(v + p.x_P * r), u)
-    blend, side = surrogate_blend(delta, ship.surrogate)
-    outside = 0.0
+    blend, side = surrogate_blend(controls[0], ship.surrogate)
     if blend > 0.0:
-        at = surrogate_cell(advance_angle(u, n, p.D), side * beta_P, ship.surrogate, tables[1])
+        at = surrogate_cell(epsilon, side * beta_P, ship.surrogate, tables[1])
         q = advance_pressure(u, n, p, ship.rho)
         share = blend * bilinear(tables[1], at, TRUST)
         T += share * (q * bilinear(tables[1], at, C_T) - T)
         Q += share * (q * p.D * bilinear(tables[1], at, C_Q) - Q)
         S = -side * share * q * bilinear(tables[1], at, C_S)  # the source's side force is to port
-        outside = outside_box(u, n, side * beta_P, ship)
-    return ((1.0 - p.t_P) * T, S, p.x_P * S), (T, ratio, Q), beta_P, outside
+    return ((1.0 - p.t_P) * T, S, p.x_P * S), (T, ratio, Q), (epsilon, beta_P)

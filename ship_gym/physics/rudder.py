@@ -8,19 +8,12 @@ from __future__ import annotations
 import math
 
 from ship_gym.physics._kernel import kernel
-from ship_gym.physics.propeller import (
-    C_FX,
-    C_FY,
-    TRUST,
-    advance_angle,
-    outside_box,
-    surrogate_blend,
-    surrogate_cell,
-)
 from ship_gym.physics.interpolate import bilinear
+from ship_gym.physics.propeller import C_A, C_N, TRUST, surrogate_blend, surrogate_cell
 
 STALL = math.radians(35.0)  # the samples follow sin(alpha) to 33 deg, their largest inflow angle
 SIN_STALL = math.sin(STALL)
+COS_STALL = math.cos(STALL)
 C_N_PLATE = 1.17  # flat plate across the flow, Hoerner (1965) Fluid-Dynamic Drag, ch. 3
 
 
@@ -46,10 +39,9 @@ def axial_inflow(u, race, ship):
 
 
 @kernel
-def lateral_inflow(u, v, r, rudder):
+def lateral_inflow(flow, r, rudder):
     """Sway velocity at the rudder before straightening, U beta - l_R r [m/s] (YY15)."""
-    U = math.sqrt(u * u + v * v)
-    return U * math.atan2(-v, u) - rudder.l_R * r
+    return flow[0] * flow[1] - rudder.l_R * r
 
 
 @kernel
@@ -59,64 +51,74 @@ def straightening(v_geometric, side, rudder):
 
 
 @kernel
-def normal_force(delta, u_R, v_R, rudder, rho):
-    """F_N [N] = 1/2 rho A_R f_alpha U_R^2 sin(alpha_R), alpha_R = delta - atan2(v_R, u_R) (YY15).
-
-    Beyond 35 deg of inflow angle the coefficient falls linearly to that of a plate across the flow
-    at 90 deg (estimated: the samples end at 33 deg).
-    """
-    alpha = delta - math.atan2(v_R, u_R)
-    a = abs(alpha)
-    if a <= STALL:
-        s = math.sin(alpha)
-    else:
-        plate = C_N_PLATE / rudder.f_alpha
-        s = SIN_STALL + (plate - SIN_STALL) * min((a - STALL) / (0.5 * math.pi - STALL), 1.0)
-        s = math.copysign(s, alpha)
-    return 0.5 * rho * rudder.A_R * rudder.f_alpha * (u_R * u_R + v_R * v_R) * s
+def stalled(alpha, f_alpha):
+    """Beyond 35 deg of inflow angle, what replaces sin(alpha_R): down to a plate at 90 deg."""
+    plate = C_N_PLATE / f_alpha
+    a = min((abs(alpha) - STALL) / (0.5 * math.pi - STALL), 1.0)
+    return math.copysign(SIN_STALL + (plate - SIN_STALL) * a, alpha)
 
 
 @kernel
-def rudder_on_plate(motion, controls, race, ship, table):
-    """Normal force F_N and chordwise force F_T on the rudder alone [N], beta_R, outside.
+def normal_force(direction, u_R, v_R, rudder, rho):
+    """F_N [N] = 1/2 rho A_R f_alpha U_R^2 sin(alpha_R), alpha_R = delta - atan2(v_R, u_R) (YY15).
+
+    Parameters
+    ----------
+    direction : (float, float)
+        sin and cos of the rudder angle: U_R sin(alpha_R) is a component of the inflow, so the
+        angle itself is needed in stall only (estimated: the samples end at 33 deg).
+    u_R, v_R : float
+        Inflow along and across the ship [m/s].
+    """
+    s, c = direction
+    across, along = u_R * s - v_R * c, u_R * c + v_R * s
+    U_R = math.sqrt(u_R * u_R + v_R * v_R)
+    if along < COS_STALL * U_R:
+        across = U_R * stalled(math.atan2(across, along), rudder.f_alpha)
+    return 0.5 * rho * rudder.A_R * rudder.f_alpha * U_R * across
+
+
+@kernel
+def rudder_on_plate(motion, controls, flow, wash, ship, table):
+    """Normal force F_N and chordwise force F_A on the rudder alone [N], and beta_R.
 
     F_N is the effective-inflow law at this angle, plus a share (delta / trained angle)^2 of what the
     CFD surrogate gives beyond that law at the trained angle. So the trained angle gives the
     surrogate back exactly, and near amidships the law is left alone.
     """
+    race, epsilon, direction = wash
     u, v, r = motion
-    delta, n = controls
-    k = ship.rudder
+    k, box = ship.rudder, ship.surrogate
     u_R = axial_inflow(u, race, ship)
-    v_g = lateral_inflow(u, v, r, k)
-    F_N = normal_force(delta, u_R, straightening(v_g, 1.0, k) * v_g, k, ship.rho)
+    v_g = lateral_inflow(flow, r, k)
+    F_N = normal_force(direction, u_R, straightening(v_g, 1.0, k) * v_g, k, ship.rho)
     v_local = v + k.x_R * r
     beta_R = math.atan2(-v_local, u)
-    blend, side = surrogate_blend(delta, ship.surrogate)
+    blend, side = surrogate_blend(controls[0], box)
     if blend <= 0.0:
-        return F_N, 0.0, beta_R, 0.0
-    trained = ship.surrogate.delta
-    law = normal_force(side * trained, u_R, straightening(v_g, side, k) * v_g, k, ship.rho)
-    at = surrogate_cell(advance_angle(u, n, ship.propeller.D), side * beta_R, ship.surrogate, table)
+        return F_N, 0.0, beta_R
+    trained = (side * box.sin_delta, box.cos_delta)
+    law = normal_force(trained, u_R, straightening(v_g, side, k) * v_g, k, ship.rho)
+    at = surrogate_cell(epsilon, side * beta_R, box, table)
     q = race_speed_squared(u, race[0], ship.propeller.D, ship.rho) + v_local * v_local
-    q *= 0.5 * ship.rho * ship.surrogate.S_R
+    q *= 0.5 * ship.rho * box.S_R
     share = blend * bilinear(table, at, TRUST)
-    F_x, F_y = q * bilinear(table, at, C_FX), q * bilinear(table, at, C_FY)  # F_y to port
-    c, s = math.cos(trained), math.sin(trained)
-    F_N += share * (side * (F_y * c - F_x * s) - law)
-    return F_N, share * (F_x * c + F_y * s), beta_R, outside_box(u, n, side * beta_R, ship)
+    F_N += share * (side * q * bilinear(table, at, C_N) - law)
+    return F_N, share * q * bilinear(table, at, C_A), beta_R
 
 
 @kernel
-def rudder_forces(motion, controls, race, ship, table):
+def rudder_forces(motion, controls, flow, race, epsilon, ship, table):
     """Rudder and hull-rudder interaction forces.
 
     Parameters
     ----------
-    motion, controls, ship
+    motion, controls, flow, ship
         As in `propeller_forces`.
     race : (float, float, float)
         Thrust [N], 1 - w_P, torque [N m] from `propeller_forces`.
+    epsilon : float
+        Advance angle [rad] from `propeller_forces`.
     table : ndarray
         Surrogate table (count, count, 6).
 
@@ -124,14 +126,14 @@ def rudder_forces(motion, controls, race, ship, table):
     -------
     force : (float, float, float)
         X_R = (1 - t_R) F_x, Y_R = (1 + a_H) F_y, N_R = (x_R + a_H x_H) F_y (YY15).
-    F_N, beta_R, outside : float
-        Normal force [N], local drift at the rudder [rad], distance outside the trained box.
+    F_N, beta_R : float
+        Normal force [N], local drift at the rudder [rad].
     """
-    delta = controls[0]
     k = ship.rudder
-    F_N, F_T, beta_R, outside = rudder_on_plate(motion, controls, race, ship, table)
-    c, s = math.cos(delta), math.sin(delta)
-    F_x = -F_N * s + F_T * c
-    F_y = -(F_N * c + F_T * s)
+    s, c = math.sin(controls[0]), math.cos(controls[0])
+    wash = (race, epsilon, (s, c))
+    F_N, F_A, beta_R = rudder_on_plate(motion, controls, flow, wash, ship, table)
+    F_x = -F_N * s + F_A * c
+    F_y = -(F_N * c + F_A * s)
     N = (k.x_R + k.a_H * k.x_H) * F_y
-    return ((1.0 - k.t_R) * F_x, (1.0 + k.a_H) * F_y, N), F_N, beta_R, outside
+    return ((1.0 - k.t_R) * F_x, (1.0 + k.a_H) * F_y, N), F_N, beta_R

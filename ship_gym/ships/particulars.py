@@ -125,7 +125,9 @@ class Surrogate:
     """Axes, trained box and reference area of the deflected-rudder surrogate."""
 
     delta: float = quantity("rad", "trained rudder angle; 0: no surrogate", 0.0)
-    S_R: float = quantity("m2", "reference area of C_Fx, C_Fy", 0.0)
+    sin_delta: float = quantity("-", "its sine", 0.0)
+    cos_delta: float = quantity("-", "its cosine", 1.0)
+    S_R: float = quantity("m2", "reference area of C_N, C_A", 0.0)
     J_min: float = quantity("-", "trained box: smallest advance ratio", 0.0)
     J_max: float = quantity("-", "trained box: largest advance ratio", 1.0)
     beta_min: float = quantity("rad", "trained box: smallest drift angle", 0.0)

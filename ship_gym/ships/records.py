@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 
@@ -30,7 +31,8 @@ SECTIONS = {
     "open_water": OpenWater,
     "surrogate": Surrogate,
 }
-SURROGATE_NAMES = ("C_T", "C_Q", "C_S", "C_Fx", "C_Fy", "trust")
+# thrust, torque, side force (to port), rudder normal force, rudder chordwise force, weight
+SURROGATE_NAMES = ("C_T", "C_Q", "C_S", "C_N", "C_A", "trust")
 
 
 def _section_dtype(cls: type) -> np.dtype:
@@ -55,6 +57,8 @@ def surrogate_section(table: Table | None) -> Surrogate:
     epsilon, beta = table.axes
     return Surrogate(
         **table.card["domain"],
+        sin_delta=math.sin(table.card["domain"]["delta"]),
+        cos_delta=math.cos(table.card["domain"]["delta"]),
         epsilon_start=epsilon.start,
         epsilon_step=epsilon.step,
         beta_start=beta.start,

@@ -36,9 +36,13 @@ class RudderSamples:
     S_R: float
 
 
-def normal_coefficient(C_Fx, C_Fy, delta: float):
-    """C_N = C_Fy cos(delta) - C_Fx sin(delta)."""
-    return C_Fy * math.cos(delta) - C_Fx * math.sin(delta)
+def rudder_frame(C_Fx, C_Fy, delta: float):
+    """Normal and chordwise coefficients C_N, C_A from ship axes (x forward, y to port).
+
+    C_N = C_Fy cos(delta) - C_Fx sin(delta), C_A = C_Fx cos(delta) + C_Fy sin(delta).
+    """
+    c, s = math.cos(delta), math.sin(delta)
+    return C_Fy * c - C_Fx * s, C_Fx * c + C_Fy * s
 
 
 def law_coefficients(samples: RudderSamples, record: np.record) -> np.ndarray:
@@ -47,6 +51,7 @@ def law_coefficients(samples: RudderSamples, record: np.record) -> np.ndarray:
     The reference speed is that of the samples, u^2 (1 + 8 K_T / (pi J^2)) + v^2, with n D = 1.
     """
     D, rho = float(record.propeller.D), float(record.rho)
+    direction = (math.sin(samples.delta), math.cos(samples.delta))
     result = np.empty(len(samples.J))
     for i, (J, beta, K_T) in enumerate(zip(samples.J, samples.beta, samples.K_T, strict=True)):
         u, v = J, -J * math.tan(beta)  # our sway is to starboard
@@ -55,7 +60,7 @@ def law_coefficients(samples: RudderSamples, record: np.record) -> np.ndarray:
         u_R = axial_inflow(u, (thrust, 1.0 - w, 0.0), record)
         v_g = math.hypot(u, v) * beta
         v_R = straightening(v_g, 1.0, record.rudder) * v_g
-        F_N = normal_force(samples.delta, u_R, v_R, record.rudder, rho)
+        F_N = normal_force(direction, u_R, v_R, record.rudder, rho)
         u_ref2 = u * u + 8.0 * K_T / math.pi + v * v
         result[i] = F_N / (0.5 * rho * samples.S_R * u_ref2)
     return result
@@ -78,7 +83,7 @@ def fit_effective_inflow(samples: RudderSamples, ship: Ship) -> dict[str, object
         epsilon, kappa, gamma_R and the relative errors [%] at the samples.
     """
     record = fleet([ship]).records[0].copy()
-    measured = normal_coefficient(samples.C_Fx, samples.C_Fy, samples.delta)
+    measured, _ = rudder_frame(samples.C_Fx, samples.C_Fy, samples.delta)
 
     def relative(p):
         record.rudder["epsilon"], record.rudder["kappa"] = p[0], p[1]

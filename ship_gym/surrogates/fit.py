@@ -14,7 +14,11 @@ from ship_gym.ships.open_water import starred
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import SURROGATE_NAMES
 from ship_gym.surrogates.base import held_out_score, percent_error
-from ship_gym.surrogates.effective_inflow import RudderSamples, fit_effective_inflow
+from ship_gym.surrogates.effective_inflow import (
+    RudderSamples,
+    fit_effective_inflow,
+    rudder_frame,
+)
 from ship_gym.surrogates.regression import FEATURES, Regression
 from ship_gym.tables import Axis, Table, tabulate
 
@@ -112,14 +116,15 @@ def surrogate_table(models: dict[str, Regression], box: dict[str, float], card: 
         def value(name):
             return models[name].predict(X)[0].reshape(J.shape)
 
+        C_N, C_A = rudder_frame(value("C_Fx"), value("C_Fy"), box["delta"])
         K_S = value("K_S") if "K_S" in models else np.zeros_like(J)
         return np.stack(
             [
                 starred(value("K_T"), J),
                 starred(0.1 * value("10K_Q"), J),
                 starred(K_S, J),
-                value("C_Fx"),
-                value("C_Fy"),
+                C_N,
+                C_A,
                 trust(J, beta, box),
             ],
             axis=-1,

@@ -1,0 +1,213 @@
+"""EpisodeBatch: n episodes of one scenario, the engine of both environment classes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ship_gym.config import ConfigError
+from ship_gym.conventions import (
+    DELTA,
+    FLOW_EXTRAPOLATION,
+    FLOW_NAMES,
+    FLOW_TORQUE,
+    FORCE_COMPONENTS,
+    PSI,
+    N,
+    U,
+)
+from ship_gym.scenarios.scenario import Scenario
+from ship_gym.sea.state import N_PHASES, Sea, set_phases
+from ship_gym.ships.loader import load_ship
+from ship_gym.ships.particulars import Ship
+from ship_gym.simulation import ShipSim, self_propulsion
+from ship_gym.tasks import heading
+
+N_ACTIONS = {"rudder": 1, "rudder+rpm": 2}
+# uniform numbers of one reset: ordered heading, heading error, current speed and direction, phases
+N_DRAWS = 4 + N_PHASES
+_SATURATED = 0.999
+
+
+class EpisodeBatch:
+    """n ships under way in one scenario; knows nothing of spaces and autoreset.
+
+    Parameters
+    ----------
+    n : int
+        Number of episodes.
+    scenario : Scenario
+    ship : Ship, optional
+        Instead of the scenario's ship, e.g. one that is not in the package.
+    parallel : bool, optional
+        As in ``ShipSim``.
+
+    Attributes
+    ----------
+    observations : numpy.ndarray
+        float32, shape (n, 9).
+    rewards, terminated, truncated : numpy.ndarray
+        Shape (n,), of the last interval.
+    terms : numpy.ndarray
+        Reward terms, shape (n, 5), order of ``tasks.heading.REWARD_TERMS``.
+    """
+
+    def __init__(
+        self, n: int, scenario: Scenario, ship: Ship | None = None, parallel: bool | None = None
+    ):
+        self.scenario = scenario
+        self.ship = load_ship(scenario.ship, surrogate=scenario.surrogate) if ship is None else ship
+        sea = Sea(
+            sway_disturbance=scenario.sea.sway_disturbance,
+            yaw_disturbance=scenario.sea.yaw_disturbance,
+            correlation_time=scenario.sea.correlation_time,
+        )
+        self.sim = ShipSim(self.ship, n, sea, parallel)
+        self.n = n
+        self.n_actions = N_ACTIONS[scenario.control]
+        self.dt = scenario.control_interval / self.ship.time_unit
+        self.tasks = np.zeros(n, heading.TASK_DTYPE)
+        self._fill_tasks()
+        self._commands = np.zeros((n, 2))
+        self._rudder_before = np.zeros(n)
+        self.observations = np.zeros((n, heading.N_OBSERVATIONS), dtype=np.float32)
+        self.terms = np.zeros((n, heading.N_TERMS))
+        self.rewards = np.zeros(n)
+        self.terminated = np.zeros(n, dtype=np.bool_)
+        self.truncated = np.zeros(n, dtype=np.bool_)
+        self.elapsed = np.zeros(n, dtype=np.int64)
+        done = (self.terminated, self.truncated)
+        self._verdict = (self.rewards, *done, self.elapsed, scenario.steps)
+        threads = self.sim.parallel
+        self._command = heading.command_batch_parallel if threads else heading.command_batch
+        self._observe = heading.observe_batch_parallel if threads else heading.observe_batch
+        self._judge = heading.judge_batch_parallel if threads else heading.judge_batch
+
+    def _fill_tasks(self) -> None:
+        ship, scenario, tasks = self.ship, self.scenario, self.tasks
+        tasks["speed"] = ship.speed
+        tasks["n_order"] = self_propulsion(ship, ship.speed)
+        tasks["interval"] = scenario.control_interval
+        tasks["rudder_stroke"] = ship.gear.rate * self.dt
+        tasks["heading_limit"] = math.radians(scenario.limits.heading_error_deg)
+        for name in heading.REWARD_TERMS:
+            tasks[name] = getattr(scenario.reward, name)
+
+    def start(self, which: np.ndarray, draws: np.ndarray) -> None:
+        """Begin new episodes.
+
+        Parameters
+        ----------
+        which : numpy.ndarray
+            Indices of the episodes, shape (m,).
+        draws : numpy.ndarray
+            Uniform numbers in [0, 1), shape (m, N_DRAWS): all randomness of the episodes.
+        """
+        sim, tasks = self.sim, self.tasks
+        order = math.pi * (2.0 * draws[:, 0] - 1.0)
+        error = math.radians(self.scenario.start.heading_error_deg) * (2.0 * draws[:, 1] - 1.0)
+        # Froude: speeds of a model are smaller by the square root of its scale
+        speed = self.scenario.sea.current_speed * draws[:, 2] / self.ship.time_unit
+        towards = 2.0 * math.pi * draws[:, 3]
+        # The math module, not numpy, so that every batch size gives the same bits.
+        north = np.array([V * math.cos(a) for V, a in zip(speed, towards, strict=True)])
+        east = np.array([V * math.sin(a) for V, a in zip(speed, towards, strict=True)])
+        psi = order + error
+        cos = np.array([math.cos(a) for a in psi])
+        sin = np.array([math.sin(a) for a in psi])
+        seas = sim.seas[which]
+        seas["V_north"], seas["V_east"] = north, east
+        set_phases(seas, draws[:, 4:])
+        sim.seas[which] = seas
+        tasks["psi_ordered"][which] = order
+        state = np.zeros((len(which), sim.state.shape[1]))
+        state[:, PSI] = psi
+        state[:, U] = self.ship.speed + north * cos + east * sin
+        state[:, 1] = east * cos - north * sin
+        state[:, N] = tasks["n_order"][which]
+        sim.state[which] = state
+        sim.time[which] = 0.0
+        sim.forces[which], sim.flow[which] = 0.0, 0.0
+        self._commands[which, 0], self._commands[which, 1] = 0.0, state[:, N]
+        sim.commands[which] = self._commands[which]
+        self.terms[which], self.rewards[which] = 0.0, 0.0
+        self.terminated[which], self.truncated[which] = False, False
+        self.elapsed[which] = 0
+        self.observe()
+
+    def observe(self) -> None:
+        """Refresh the observations from the present states."""
+        sim = self.sim
+        self._observe(
+            sim.state, self._commands, sim.records, sim.seas, self.tasks, self.observations
+        )
+
+    def step(self, actions: np.ndarray) -> None:
+        """Sail one control interval under actions of shape (n, n_actions)."""
+        sim, before = self.sim, self._rudder_before
+        actions = self._shaped(actions)
+        good = self._command(actions, sim.state, sim.records, self.tasks, self._commands, before)
+        if good < self.n:
+            row = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
+            raise ConfigError(
+                f"action {row} = {actions[row].tolist()}: must be finite, in [-1, 1]"
+            )
+        sim.step(self._commands, self.dt)
+        self._judge(sim.state, before, sim.seas, self.tasks, self.terms, self._verdict)
+        self.observe()
+
+    def _shaped(self, actions: Any) -> np.ndarray:
+        """Actions as float64 of the right shape, else ConfigError."""
+        actions = np.asarray(actions)
+        if actions.shape != (self.n, self.n_actions):
+            raise ConfigError(
+                f"action has shape {actions.shape}, allowed is {(self.n, self.n_actions)} "
+                f"for control = {self.scenario.control!r}"
+            )
+        if actions.dtype.kind not in "fiu":
+            raise ConfigError(f"action has type {actions.dtype}, allowed are numbers in [-1, 1]")
+        return actions.astype(np.float64)
+
+    def info(self) -> dict[str, Any]:
+        """What happened in the last interval, as arrays over the batch (zero after a reset).
+
+        Returns
+        -------
+        dict
+            ``reward_terms`` by name; ``forces`` by component, each (n, 3) X, Y [N], N [N m], and
+            ``flow`` by name, both at the start of the interval; ``psi_ordered`` [rad], ``time`` [s],
+            ``power`` delivered at the propeller [W], ``extrapolation`` (distance outside the
+            surrogate's trained box, 0 inside) and the safety ``cost`` (1 where the rudder is
+            saturated or the episode terminated).
+        """
+        sim = self.sim
+        forces, flow, terms = sim.forces.copy(), sim.flow.copy(), self.terms.copy()
+        saturated = np.abs(sim.state[:, DELTA]) >= _SATURATED * self.ship.gear.delta_max
+        return {
+            "reward_terms": {k: terms[:, i] for i, k in enumerate(heading.REWARD_TERMS)},
+            "forces": {k: forces[:, i] for i, k in enumerate(FORCE_COMPONENTS)},
+            "flow": {k: flow[:, i] for i, k in enumerate(FLOW_NAMES)},
+            "psi_ordered": self.tasks["psi_ordered"].copy(),
+            "time": sim.time.copy(),
+            "power": 2.0 * math.pi * sim.state[:, N] * flow[:, FLOW_TORQUE],
+            "extrapolation": flow[:, FLOW_EXTRAPOLATION],
+            "cost": (saturated | self.terminated).astype(np.float64),
+        }
+
+    def info_of(self, i: int) -> dict[str, Any]:
+        """Row i of `info` as plain numbers, without the detour over the batch."""
+        sim, forces, flow = self.sim, self.sim.forces[i].copy(), self.sim.flow[i].tolist()
+        delta, n = sim.state[i, DELTA].item(), sim.state[i, N].item()
+        saturated = abs(delta) >= _SATURATED * self.ship.gear.delta_max
+        return {
+            "reward_terms": dict(zip(heading.REWARD_TERMS, self.terms[i].tolist(), strict=True)),
+            "forces": dict(zip(FORCE_COMPONENTS, forces, strict=True)),
+            "flow": dict(zip(FLOW_NAMES, flow, strict=True)),
+            "psi_ordered": self.tasks["psi_ordered"][i].item(),
+            "time": sim.time[i].item(),
+            "power": 2.0 * math.pi * n * flow[FLOW_TORQUE],
+            "extrapolation": flow[FLOW_EXTRAPOLATION],
+            "cost": float(saturated or self.terminated[i]),
+        }

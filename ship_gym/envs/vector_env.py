@@ -1,0 +1,194 @@
+"""ShipVectorEnv: n episodes in one batch, the native vector environment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from ship_gym.config import ConfigError, check_number
+from ship_gym.envs.env import (
+    action_space,
+    check_render_mode,
+    observation_space,
+    resolved_scenario,
+)
+from ship_gym.envs.episodes import N_DRAWS, EpisodeBatch
+from ship_gym.scenarios.scenario import Scenario
+from ship_gym.ships.particulars import Ship
+
+
+class ShipVectorEnv(VectorEnv):
+    """Vector environment that steps all ships in one compiled loop.
+
+    Bit for bit the same as ``gymnasium.vector.SyncVectorEnv`` over ``ShipEnv``: environment i of
+    seed s uses the stream s + i.
+
+    Parameters
+    ----------
+    num_envs : int
+        Number of environments.
+    ship, control, surrogate, scenario, overrides, render_mode
+        As in ``ShipEnv``.
+    autoreset_mode : str or gymnasium.vector.AutoresetMode
+        ``"NextStep"`` (default), ``"SameStep"`` (``final_obs``, ``final_info`` in info) or
+        ``"Disabled"`` (reset with ``options={"reset_mask": mask}``).
+    parallel : bool, optional
+        Threads or not; None: from 512 environments on. Same numbers.
+    """
+
+    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        ship: str | Ship | None = None,
+        control: str | None = None,
+        surrogate: str | None = None,
+        scenario: str | Mapping[str, Any] | Scenario = "heading_keeping",
+        overrides: Mapping[str, Any] | None = None,
+        render_mode: str | None = None,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        parallel: bool | None = None,
+    ):
+        super().__init__()
+        check_render_mode(render_mode)
+        self.num_envs = int(check_number("num_envs", num_envs, 1, 10**7))
+        self.render_mode = render_mode
+        self.autoreset_mode = _mode(autoreset_mode)
+        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self.scenario, given = resolved_scenario(scenario, ship, control, surrogate, overrides)
+        self.episodes = EpisodeBatch(self.num_envs, self.scenario, given, parallel)
+        self.single_observation_space = observation_space()
+        self.single_action_space = action_space(self.scenario)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._generators: list[np.random.Generator | None] = [None] * self.num_envs
+        self._ended = np.zeros(self.num_envs, dtype=np.bool_)
+        self._everyone = np.ones(self.num_envs, dtype=np.bool_)
+
+    @property
+    def ship(self) -> Ship:
+        """The ship that sails in every environment."""
+        return self.episodes.ship
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ):
+        """Begin new episodes, in all environments or those of ``options["reset_mask"]``."""
+        mask = self._reset_mask(options)
+        for i, s in enumerate(self._seeds(seed)):
+            if mask[i] and (s is not None or self._generators[i] is None):
+                self._generators[i] = seeding.np_random(s)[0]
+        self._begin(mask)
+        return self.episodes.observations.copy(), self._infos(mask)
+
+    def step(self, actions):
+        """Sail one control interval in every environment, with resets as the mode says."""
+        if self.autoreset_mode is AutoresetMode.NEXT_STEP:
+            return self._next_step(actions)
+        return self._plain_step(actions)
+
+    def _next_step(self, actions):
+        """An episode that has ended is reset by the next step, whose action is not used."""
+        episodes, ended = self.episodes, self._ended
+        episodes.step(actions)
+        if ended.any():
+            self._begin(ended)
+        terminated, truncated = episodes.terminated.copy(), episodes.truncated.copy()
+        self._ended = terminated | truncated
+        infos = self._infos(self._everyone)
+        return episodes.observations.copy(), episodes.rewards.copy(), terminated, truncated, infos
+
+    def _plain_step(self, actions):
+        """Step; in SAME_STEP mode an episode that ends is reset at once, its end kept in info."""
+        episodes = self.episodes
+        if self.autoreset_mode is AutoresetMode.DISABLED and self._ended.any():
+            raise ConfigError(
+                f"episodes {np.flatnonzero(self._ended).tolist()} have ended: reset them with "
+                "options={'reset_mask': mask} before the next step"
+            )
+        episodes.step(actions)
+        rewards = episodes.rewards.copy()
+        terminated, truncated = episodes.terminated.copy(), episodes.truncated.copy()
+        ended = terminated | truncated
+        infos: dict[str, Any] = {}
+        if self.autoreset_mode is AutoresetMode.DISABLED:
+            self._ended = ended
+        elif ended.any():
+            infos = self._final_infos(ended)
+            self._begin(ended)
+        infos.update(self._infos(self._everyone))
+        return episodes.observations.copy(), rewards, terminated, truncated, infos
+
+    def _begin(self, mask: np.ndarray) -> None:
+        which = np.flatnonzero(mask)
+        draws = np.stack([self._generators[i].random(N_DRAWS) for i in which])
+        self.episodes.start(which, draws)
+        self._ended[which] = False
+
+    def _seeds(self, seed) -> list[int | None]:
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, int | np.integer):
+            return [int(seed) + i for i in range(self.num_envs)]
+        seeds = list(seed)
+        if len(seeds) != self.num_envs:
+            raise ConfigError(f"{len(seeds)} seeds given for {self.num_envs} environments")
+        return seeds
+
+    def _reset_mask(self, options: dict[str, Any] | None) -> np.ndarray:
+        if not options or "reset_mask" not in options:
+            return self._everyone
+        mask = np.asarray(options["reset_mask"])
+        if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
+            raise ConfigError(
+                f"options['reset_mask'] has shape {mask.shape}, type {mask.dtype}: allowed is a "
+                f"bool array of shape ({self.num_envs},) with at least one True"
+            )
+        return mask
+
+    def _infos(self, mask: np.ndarray) -> dict[str, Any]:
+        return _masked(self.episodes.info(), mask)
+
+    def _final_infos(self, ended: np.ndarray) -> dict[str, Any]:
+        final = np.full(self.num_envs, None, dtype=object)
+        for i in np.flatnonzero(ended):
+            final[i] = self.episodes.observations[i].copy()
+        return {
+            "final_obs": final,
+            "_final_obs": ended.copy(),
+            "final_info": _masked(self.episodes.info(), ended),
+            "_final_info": ended.copy(),
+        }
+
+
+def _mode(mode: str | AutoresetMode) -> AutoresetMode:
+    try:
+        return AutoresetMode(mode)
+    except ValueError:
+        allowed = ", ".join(repr(m.value) for m in AutoresetMode)
+        raise ConfigError(f"autoreset_mode = {mode!r}: allowed is {allowed}") from None
+
+
+def _masked(info: dict[str, Any], mask: np.ndarray) -> dict[str, Any]:
+    """Gymnasium's form: each key with a ``_key`` mask; rows outside the mask are zero."""
+    result: dict[str, Any] = {}
+    whole = bool(mask.all())
+    for key, value in info.items():
+        if isinstance(value, dict):
+            result[key] = _masked(value, mask)
+        else:
+            if not whole:
+                value = value.copy()
+                value[~mask] = 0
+            result[key] = value
+        result[f"_{key}"] = mask
+    return result
