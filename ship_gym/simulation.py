@@ -23,9 +23,10 @@ from ship_gym.conventions import (
     N,
     U,
 )
+from ship_gym.physics.disturbance import set_phases
 from ship_gym.physics.dynamics import forces as ship_forces
 from ship_gym.physics.step import step_batch, step_batch_parallel
-from ship_gym.sea.state import CALM, N_PHASES, Sea, sea_records, set_phases
+from ship_gym.sea.state import CALM, N_PHASES, Sea, sea_records
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet
 

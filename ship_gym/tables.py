@@ -90,7 +90,9 @@ class Table:
         if len(coordinates) != len(self.axes):
             raise ValueError(f"{len(self.axes)} coordinates needed, {len(coordinates)} given")
         points = np.broadcast_arrays(*coordinates)
-        cells = [_cell(axis, np.asarray(p, float)) for axis, p in zip(self.axes, points, strict=True)]
+        cells = [
+            _cell(axis, np.asarray(p, float)) for axis, p in zip(self.axes, points, strict=True)
+        ]
         if len(cells) == 1:
             (i, w), w_ = cells[0], cells[0][1][..., None]
             return (1.0 - w_) * self.values[i] + w_ * self.values[i + 1]

@@ -18,8 +18,9 @@ from ship_gym.conventions import (
     N,
     U,
 )
+from ship_gym.physics.disturbance import set_phases
 from ship_gym.scenarios.scenario import Scenario
-from ship_gym.sea.state import N_PHASES, Sea, set_phases
+from ship_gym.sea.state import N_PHASES, Sea
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim, self_propulsion
@@ -151,9 +152,7 @@ class EpisodeBatch:
         good = self._command(actions, sim.state, sim.records, self.tasks, self._commands, before)
         if good < self.n:
             row = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
-            raise ConfigError(
-                f"action {row} = {actions[row].tolist()}: must be finite, in [-1, 1]"
-            )
+            raise ConfigError(f"action {row} = {actions[row].tolist()}: must be finite, in [-1, 1]")
         sim.step(self._commands, self.dt)
         self._judge(sim.state, before, sim.seas, self.tasks, self.terms, self._verdict)
         self.observe()

@@ -43,9 +43,7 @@ def forces(motion, controls, ship, tables):
     on_hull = hull_forces(u, v, r, ship.hull, ship.rho)
     on_propeller, race, local = propeller_forces(motion, controls, drift, ship, tables)
     epsilon, beta_P = local
-    on_rudder, F_N, beta_R = rudder_forces(
-        motion, controls, drift, race, epsilon, ship, tables[1]
-    )
+    on_rudder, F_N, beta_R = rudder_forces(motion, controls, drift, race, epsilon, ship, tables[1])
     J = advance_ratio(u, controls[1], ship.propeller.D)
     outside = extrapolation(J, beta_P, beta_R, controls[0], ship.surrogate)
     flow = (J, beta_P, beta_R, race[0], race[2], F_N, outside)

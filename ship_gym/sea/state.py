@@ -1,13 +1,14 @@
 """The sea a ship sails in: uniform current and a random low-frequency disturbance.
 
 The disturbance stands for the slowly varying drift of a seaway. Its spectrum is that of a
-first-order low-pass process, one-sided and normalised to unit variance,
+first-order low-pass process, one-sided,
 
     S(omega) = (2 / pi) T / (1 + (omega T)^2),
 
-with the time T = `correlation_time` L / U0. It is sampled by `N_COMPONENTS` cosines of equal
-energy at the middle quantiles, omega_i = tan(pi (i + 1/2) / (2 N)) / T, whose phases are drawn at
-reset. Standard deviations are given non-dimensional, by 1/2 rho L d U0^2 and 1/2 rho L^2 d U0^2.
+with the time T = `correlation_time` L / U0. It is sampled by `N_HARMONICS` harmonics k omega_1 of
+omega_1 = 0.4 / T, with amplitudes sqrt(2 S(k omega_1) omega_1) scaled to unit variance and phases
+drawn at reset. It repeats after 15.7 T (about 970 s for KCS at 14.5 kn), more than an episode.
+Standard deviations are given non-dimensional, by 1/2 rho L d U0^2 and 1/2 rho L^2 d U0^2.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ import numpy as np
 from ship_gym.config import ConfigError, build, check_angle, check_known, check_number, read_toml
 from ship_gym.ships.particulars import Ship
 
-N_COMPONENTS = 8
-N_PHASES = 2 * N_COMPONENTS  # sway force and yaw moment
+N_HARMONICS = 16
+N_PHASES = 2 * N_HARMONICS  # sway force and yaw moment
+_FIRST = 0.4  # omega_1 T: 90 % of the spectrum's variance lies below the last harmonic
 
 SEA_DTYPE = np.dtype(
     (
@@ -30,11 +32,14 @@ SEA_DTYPE = np.dtype(
         [
             ("V_north", np.float64),
             ("V_east", np.float64),
-            ("Y_amplitude", np.float64),
-            ("N_amplitude", np.float64),
-            ("omega", np.float64, (N_COMPONENTS,)),
-            ("phase_Y", np.float64, (N_COMPONENTS,)),
-            ("phase_N", np.float64, (N_COMPONENTS,)),
+            ("disturbed", np.int64),
+            ("omega_1", np.float64),
+            ("Y_std", np.float64),
+            ("N_std", np.float64),
+            *(
+                (name, np.float64, (N_HARMONICS,))
+                for name in ("amplitude", "Y_cos", "Y_sin", "N_cos", "N_sin")
+            ),
         ],
     )
 )
@@ -85,20 +90,27 @@ def load_sea(name: str) -> Sea:
     return build(Sea, states[check_known("sea", name, states)], f"sea {name}")
 
 
-def disturbance_frequencies(correlation_time: float) -> np.ndarray:
-    """Component frequencies [rad/s] of a correlation time [s], shape (N_COMPONENTS,)."""
-    quantile = (np.arange(N_COMPONENTS) + 0.5) / N_COMPONENTS
-    return np.tan(0.5 * math.pi * quantile) / correlation_time
-
-
 def disturbance_spectrum(omega, correlation_time: float):
     """One-sided spectral density [s] of unit variance at omega [rad/s]."""
     T = correlation_time
     return 2.0 / math.pi * T / (1.0 + (np.asarray(omega) * T) ** 2)
 
 
+def disturbance_harmonics(correlation_time: float) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [rad/s] and amplitudes of a unit-variance disturbance, shapes (N_HARMONICS,).
+
+    Parameters
+    ----------
+    correlation_time : float
+        T [s].
+    """
+    omega = _FIRST / correlation_time * np.arange(1, N_HARMONICS + 1)
+    energy = disturbance_spectrum(omega, correlation_time)
+    return omega, np.sqrt(2.0 * energy / energy.sum())
+
+
 def sea_records(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> np.ndarray:
-    """SEA_DTYPE array, one row per ship, with all phases zero.
+    """SEA_DTYPE array, one row per ship; ``physics.disturbance.set_phases`` draws its phases.
 
     Parameters
     ----------
@@ -118,18 +130,12 @@ def sea_records(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> np.ndarray:
             records[i] = records[made[key]]
             continue
         made[key] = i
+        omega, amplitude = disturbance_harmonics(s.correlation_time * ship.hull.L / ship.speed)
+        force = 0.5 * ship.rho * ship.hull.L * ship.hull.d * ship.speed**2
         records[i]["V_north"] = s.current_speed * math.cos(s.current_direction_to)
         records[i]["V_east"] = s.current_speed * math.sin(s.current_direction_to)
-        force = 0.5 * ship.rho * ship.hull.L * ship.hull.d * ship.speed**2
-        component = math.sqrt(2.0 / N_COMPONENTS)
-        records[i]["Y_amplitude"] = component * s.sway_disturbance * force
-        records[i]["N_amplitude"] = component * s.yaw_disturbance * force * ship.hull.L
-        records[i]["omega"] = disturbance_frequencies(s.correlation_time * ship.hull.L / ship.speed)
+        records[i]["disturbed"] = s.sway_disturbance > 0.0 or s.yaw_disturbance > 0.0
+        records[i]["omega_1"], records[i]["amplitude"] = omega[0], amplitude
+        records[i]["Y_std"] = s.sway_disturbance * force
+        records[i]["N_std"] = s.yaw_disturbance * force * ship.hull.L
     return records
-
-
-def set_phases(records: np.ndarray, uniform: np.ndarray) -> None:
-    """Set the phases of each row from uniform numbers in [0, 1), shape (n, N_PHASES)."""
-    phases = 2.0 * math.pi * uniform
-    records["phase_Y"] = phases[:, :N_COMPONENTS]
-    records["phase_N"] = phases[:, N_COMPONENTS:]

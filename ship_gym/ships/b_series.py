@@ -58,7 +58,8 @@ def b_series(J, pitch_ratio: float, area_ratio: float, blades: int):
 
     def total(text):
         return sum(
-            c * J**s * pitch_ratio**t * area_ratio**u * blades**v for c, (s, t, u, v) in _terms(text)
+            c * J**s * pitch_ratio**t * area_ratio**u * blades**v
+            for c, (s, t, u, v) in _terms(text)
         )
 
     return total(_KT), total(_KQ)

@@ -11,7 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import UNITS, ConfigError, build, check_known, merged, nearest, read_csv, read_toml
+from ship_gym.config import (
+    UNITS,
+    ConfigError,
+    build,
+    check_known,
+    merged,
+    nearest,
+    read_csv,
+    read_toml,
+)
 from ship_gym.provenance import sha256
 from ship_gym.ships.b_series import b_series
 from ship_gym.ships.open_water import open_water_table
@@ -36,7 +45,18 @@ _SECTIONS = {
     "gear": SteeringGear,
     "engine": Engine,
 }
-_TOP = ("title", "status", "source", "scale", "rho", "nu", "speed", "surrogate", "open_water", "trial")
+_TOP = (
+    "title",
+    "status",
+    "source",
+    "scale",
+    "rho",
+    "nu",
+    "speed",
+    "surrogate",
+    "open_water",
+    "trial",
+)
 _NUMBER_KEYS = ("value", "unit", "source", "estimated")
 
 
@@ -59,7 +79,10 @@ def available_surrogates(name: str) -> list[str]:
     base = read_toml(folder / "ship.toml").get("scaled_from")
     if base:
         return available_surrogates(base)
-    return ["none", *sorted(p.stem.removeprefix("surrogate_") for p in folder.glob("surrogate_*.npz"))]
+    return [
+        "none",
+        *sorted(p.stem.removeprefix("surrogate_") for p in folder.glob("surrogate_*.npz")),
+    ]
 
 
 def load_ship(name: str, *, surrogate: str | None = None, variant: str | None = None) -> Ship:
@@ -117,7 +140,17 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
     for key in data:
         if key not in _TOP and key not in _SECTIONS:
             raise ConfigError(f"{path}: unknown key {key!r};{nearest(key, (*_TOP, *_SECTIONS))}")
-    for key in ("title", "status", "source", "scale", "rho", "nu", "speed", "open_water", *_SECTIONS):
+    for key in (
+        "title",
+        "status",
+        "source",
+        "scale",
+        "rho",
+        "nu",
+        "speed",
+        "open_water",
+        *_SECTIONS,
+    ):
         if key not in data:
             raise ConfigError(f"{path}: missing key {key!r}")
     reader = _Reader(path, data["source"])
@@ -221,7 +254,11 @@ class _Reader:
             if key not in _NUMBER_KEYS:
                 raise ConfigError(f"{label}: unknown key {key!r};{nearest(key, _NUMBER_KEYS)}")
         value, given = entry.get("value"), entry.get("unit", "-")
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or not math.isfinite(value)
+        ):
             raise ConfigError(f"{label} = {value!r}: must be a finite number")
         units = {**UNITS, "L": (length, "m")}
         if given not in units or units[given][1] != unit:
@@ -243,7 +280,9 @@ def _open_water(entry: Mapping[str, Any], path: Path, reader: _Reader) -> Table:
     """Open-water table from points, polynomials or the B-series."""
     for key in entry:
         if key not in _OPEN_WATER_KEYS:
-            raise ConfigError(f"{path}: unknown key open_water.{key!r};{nearest(key, _OPEN_WATER_KEYS)}")
+            raise ConfigError(
+                f"{path}: unknown key open_water.{key!r};{nearest(key, _OPEN_WATER_KEYS)}"
+            )
     reader.sources["open_water"] = entry.get("source", reader.source)
     if "estimated" in entry:
         reader.estimated["open_water"] = str(entry["estimated"])

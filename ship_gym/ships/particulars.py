@@ -69,7 +69,9 @@ class Propeller:
     x_P: float = quantity("m", "position, forward of midship positive")
     t_P: float = quantity("-", "thrust deduction")
     w_P0: float = quantity("-", "effective wake fraction straight ahead")
-    wake_C1: float = quantity("-", "wake in manoeuvres, C1 of Yasukawa & Yoshimura; 0: not used", 0.0)
+    wake_C1: float = quantity(
+        "-", "wake in manoeuvres, C1 of Yasukawa & Yoshimura; 0: not used", 0.0
+    )
     wake_C2_p: float = quantity("-", "their C2 for beta_P > 0", 1.0)
     wake_C2_n: float = quantity("-", "their C2 for beta_P < 0", 1.0)
     wake_beta2: float = quantity("-", "else w_P = w_P0 exp(-wake_beta2 beta_P^2)", 0.0)

@@ -119,5 +119,7 @@ def _fill(record: np.record, ship: Ship, kind: int) -> None:
 def _stacked(tables: list[np.ndarray], name: str) -> np.ndarray:
     shapes = {table.shape for table in tables}
     if len(shapes) > 1:
-        raise ConfigError(f"the {name} tables of one fleet must have one grid, got {sorted(shapes)}")
+        raise ConfigError(
+            f"the {name} tables of one fleet must have one grid, got {sorted(shapes)}"
+        )
     return np.stack(tables)

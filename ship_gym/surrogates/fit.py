@@ -87,7 +87,8 @@ def trust(J, beta, box: dict[str, float]):
 def table_axes(box: dict[str, float]) -> tuple[Axis, Axis]:
     """Axes that end exactly where trust has fallen to zero, so that no kink lies inside."""
     low, high = (
-        math.atan(J / (0.7 * math.pi)) for J in (box["J_min"] - J_MARGIN[0], box["J_max"] + J_MARGIN[1])
+        math.atan(J / (0.7 * math.pi))
+        for J in (box["J_min"] - J_MARGIN[0], box["J_max"] + J_MARGIN[1])
     )
     left, right = box["beta_min"] - BETA_MARGIN, box["beta_max"] + BETA_MARGIN
     return (

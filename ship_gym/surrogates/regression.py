@@ -58,7 +58,9 @@ class Regression:
         matrix, y = features(X, self.order), np.asarray(y, dtype=float)
         n, k = matrix.shape
         if n < k:
-            raise ConfigError(f"{self.order} order regression has {k} features, but {n} points given")
+            raise ConfigError(
+                f"{self.order} order regression has {k} features, but {n} points given"
+            )
         self.coefficients, _, rank, _ = np.linalg.lstsq(matrix, y, rcond=1e-10)
         if rank < k:
             raise ConfigError(

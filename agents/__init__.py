@@ -1,0 +1,1 @@
+"""Controllers that compete on Ship Gym: classical autopilots and learned policies."""

@@ -1,0 +1,1 @@
+"""Evaluation: controllers, rollouts, metrics and their statistics."""

@@ -1,0 +1,58 @@
+"""What a controller is: an object with `reset` and `act`, for a batch of episodes."""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from ship_gym.scenarios.scenario import Scenario
+from ship_gym.ships.particulars import Ship
+from ship_gym.simulation import self_propulsion
+
+
+@runtime_checkable
+class Controller(Protocol):
+    """Anything that steers: an autopilot, a policy, a constant.
+
+    Attributes
+    ----------
+    name : str
+        Shown in tables.
+    """
+
+    name: str
+
+    def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
+        """Forget everything; `count` episodes of `scenario` with `ship` begin together."""
+
+    def act(self, observations: np.ndarray) -> np.ndarray:
+        """Actions of shape (count, n_actions) in [-1, 1] for observations of shape (count, 9).
+
+        The columns of the observation are those of ``ship_gym.tasks.heading.OBSERVATIONS``.
+        """
+
+
+class ConstantController:
+    """The same action always; the default, rudder amidships at self-propulsion, does nothing.
+
+    Parameters
+    ----------
+    rudder : float
+        Rudder command as a fraction of the largest angle.
+    name : str
+    """
+
+    def __init__(self, rudder: float = 0.0, name: str = "constant"):
+        self.rudder, self.name = rudder, name
+
+    def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
+        """Prepare the one action."""
+        self._action = np.full((count, 1), self.rudder)
+        if scenario.control == "rudder+rpm":
+            n = self_propulsion(ship, ship.speed) / ship.engine.n_max
+            self._action = np.column_stack([self._action, np.full(count, 2.0 * n - 1.0)])
+
+    def act(self, observations: np.ndarray) -> np.ndarray:
+        """Return the constant action for every episode."""
+        return self._action
