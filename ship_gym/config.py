@@ -50,7 +50,7 @@ UNITS: dict[str, tuple[float, str]] = {
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """Text ``did you mean 'x'? Known: ...`` for an unknown name."""
-    known = sorted(known)
+    known = sorted(str(k) for k in known)
     close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
     guess = f" did you mean {close[0]!r}?" if close else ""
     return f"{guess} Known: {', '.join(known)}"
@@ -79,7 +79,7 @@ def check_angle(field: str, value: float, limit: float = 2.0 * math.pi) -> float
 def check_number(
     field: str, value: float, low: float = -math.inf, high: float = math.inf, unit: str = "-"
 ) -> float:
-    """Return a finite number within [low, high], else raise ConfigError that says what is allowed."""
+    """Return a finite number within [low, high], else raise ConfigError that says so."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         raise ConfigError(f"{field} = {value!r}: must be a number [{unit}]")
     if not (math.isfinite(value) and low <= value <= high):

@@ -219,9 +219,9 @@ def zigzag(
     run = _Run(ship, U0, n, sea)
     side = math.copysign(1.0, delta)
     reversals, found = [], []
+    target = abs(psi)
     for k in range(overshoots + 1):
         towards = side if k % 2 == 0 else -side
-        target = abs(psi)
         start = run.rows
         run.until(
             lambda sim, t, s=towards: s * sim.state[0, PSI] >= target,

@@ -93,11 +93,10 @@ class Table:
         cells = [
             _cell(axis, np.asarray(p, float)) for axis, p in zip(self.axes, points, strict=True)
         ]
+        i, w = cells[0]
         if len(cells) == 1:
-            (i, w), w_ = cells[0], cells[0][1][..., None]
-            return (1.0 - w_) * self.values[i] + w_ * self.values[i + 1]
-        (i, w), (j, q) = cells
-        w, q = w[..., None], q[..., None]
+            return (1.0 - w) * self.values[i] + w * self.values[i + 1]
+        j, q = cells[1]
         low = (1.0 - q) * self.values[i, j] + q * self.values[i, j + 1]
         high = (1.0 - q) * self.values[i + 1, j] + q * self.values[i + 1, j + 1]
         return (1.0 - w) * low + w * high
@@ -135,10 +134,10 @@ class Table:
 
 
 def _cell(axis: Axis, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Index of the cell that holds x and the weight of its upper end, clamped."""
+    """Index of the cell that holds x and the weight (..., 1) of its upper end, clamped."""
     s = np.clip((x - axis.start) / axis.step, 0.0, axis.count - 1.0)
     i = np.minimum(s.astype(np.int64), axis.count - 2)
-    return i, s - i
+    return i, (s - i)[..., None]
 
 
 def tabulate(

@@ -154,7 +154,7 @@ class EpisodeBatch:
             row = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
             raise ConfigError(f"action {row} = {actions[row].tolist()}: must be finite, in [-1, 1]")
         sim.step(self._commands, self.dt)
-        self._judge(sim.state, before, sim.seas, self.tasks, self.terms, self._verdict)
+        self._judge(sim.state, before, sim.seas, self.tasks, self.terms, *self._verdict)
         self.observe()
 
     def _shaped(self, actions: Any) -> np.ndarray:
@@ -176,9 +176,9 @@ class EpisodeBatch:
         -------
         dict
             ``reward_terms`` by name; ``forces`` by component, each (n, 3) X, Y [N], N [N m], and
-            ``flow`` by name, both at the start of the interval; ``psi_ordered`` [rad], ``time`` [s],
-            ``power`` delivered at the propeller [W], ``extrapolation`` (distance outside the
-            surrogate's trained box, 0 inside) and the safety ``cost`` (1 where the rudder is
+            ``flow`` by name, both at the start of the interval; ``psi_ordered`` [rad]; ``time``
+            [s]; ``power`` delivered at the propeller [W]; ``extrapolation`` (distance outside the
+            surrogate's trained box, 0 inside); the safety ``cost`` (1 where the rudder is
             saturated or the episode terminated).
         """
         sim = self.sim

@@ -82,8 +82,8 @@ def normal_force(direction, u_R, v_R, rudder, rho):
 def rudder_on_plate(motion, controls, flow, wash, ship, table):
     """Normal force F_N and chordwise force F_A on the rudder alone [N], and beta_R.
 
-    F_N is the effective-inflow law at this angle, plus a share (delta / trained angle)^2 of what the
-    CFD surrogate gives beyond that law at the trained angle. So the trained angle gives the
+    F_N is the effective-inflow law at this angle, plus a share (delta / trained angle)^2 of what
+    the CFD surrogate gives beyond that law at the trained angle. So the trained angle gives the
     surrogate back exactly, and near amidships the law is left alone.
     """
     race, epsilon, direction = wash

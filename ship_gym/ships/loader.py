@@ -16,6 +16,7 @@ from ship_gym.config import (
     ConfigError,
     build,
     check_known,
+    check_number,
     merged,
     nearest,
     read_csv,
@@ -45,18 +46,8 @@ _SECTIONS = {
     "gear": SteeringGear,
     "engine": Engine,
 }
-_TOP = (
-    "title",
-    "status",
-    "source",
-    "scale",
-    "rho",
-    "nu",
-    "speed",
-    "surrogate",
-    "open_water",
-    "trial",
-)
+_NEEDED = ("title", "status", "source", "scale", "rho", "nu", "speed", "open_water", *_SECTIONS)
+_TOP = (*_NEEDED, "surrogate", "trial")
 _NUMBER_KEYS = ("value", "unit", "source", "estimated")
 
 
@@ -138,19 +129,9 @@ def _folder(name: str) -> Path:
 def _ship(data: Mapping[str, Any], path: Path) -> Ship:
     """Ship of a complete file, without its surrogate."""
     for key in data:
-        if key not in _TOP and key not in _SECTIONS:
-            raise ConfigError(f"{path}: unknown key {key!r};{nearest(key, (*_TOP, *_SECTIONS))}")
-    for key in (
-        "title",
-        "status",
-        "source",
-        "scale",
-        "rho",
-        "nu",
-        "speed",
-        "open_water",
-        *_SECTIONS,
-    ):
+        if key not in _TOP:
+            raise ConfigError(f"{path}: unknown key {key!r};{nearest(key, _TOP)}")
+    for key in _NEEDED:
         if key not in data:
             raise ConfigError(f"{path}: missing key {key!r}")
     reader = _Reader(path, data["source"])
@@ -231,7 +212,7 @@ class _Reader:
         self._check_keys(name, type(section), values)
         units = {f.name: f.metadata["unit"] for f in dataclasses.fields(section)}
         changes = {
-            key: self.number(f"{name}.{key}", units[key], value, length, values.get("source", ""))
+            key: self.number(f"{name}.{key}", units[key], value, length, values.get("source", self.source))
             for key, value in values.items()
             if key in units
         }
@@ -254,12 +235,7 @@ class _Reader:
             if key not in _NUMBER_KEYS:
                 raise ConfigError(f"{label}: unknown key {key!r};{nearest(key, _NUMBER_KEYS)}")
         value, given = entry.get("value"), entry.get("unit", "-")
-        if (
-            isinstance(value, bool)
-            or not isinstance(value, int | float)
-            or not math.isfinite(value)
-        ):
-            raise ConfigError(f"{label} = {value!r}: must be a finite number")
+        value = check_number(label, value)
         units = {**UNITS, "L": (length, "m")}
         if given not in units or units[given][1] != unit:
             allowed = [name for name, (_, si) in units.items() if si == unit]
@@ -270,6 +246,7 @@ class _Reader:
         self.sources[where] = entry.get("source", source)
         if "estimated" in entry:
             self.estimated[where] = str(entry["estimated"])
+            self.sources[where] = entry.get("source", "estimated")
         return result
 
 

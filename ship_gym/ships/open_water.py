@@ -14,8 +14,8 @@ EPSILON = Axis("advance angle", -math.pi / 2, math.pi / 600, 601)
 def starred(K, J):
     """C_T* (or C_Q*) from K_T (K_Q) at J: C* = 8 K / (pi (J^2 + (0.7 pi)^2)).
 
-    C_T* = T / (1/2 rho (u^2 + (0.7 pi n D)^2) pi D^2 / 4), so a stopped propeller and a stopped ship
-    are ordinary points. Exact.
+    C_T* = T / (1/2 rho (u^2 + (0.7 pi n D)^2) pi D^2 / 4), so a stopped propeller and a stopped
+    ship are ordinary points. Exact.
     """
     return 8.0 / math.pi * K / (J**2 + (0.7 * math.pi) ** 2)
 

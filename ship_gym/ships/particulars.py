@@ -69,9 +69,7 @@ class Propeller:
     x_P: float = quantity("m", "position, forward of midship positive")
     t_P: float = quantity("-", "thrust deduction")
     w_P0: float = quantity("-", "effective wake fraction straight ahead")
-    wake_C1: float = quantity(
-        "-", "wake in manoeuvres, C1 of Yasukawa & Yoshimura; 0: not used", 0.0
-    )
+    wake_C1: float = quantity("-", "wake in manoeuvres, C1 of YY15; 0: not used", 0.0)
     wake_C2_p: float = quantity("-", "their C2 for beta_P > 0", 1.0)
     wake_C2_n: float = quantity("-", "their C2 for beta_P < 0", 1.0)
     wake_beta2: float = quantity("-", "else w_P = w_P0 exp(-wake_beta2 beta_P^2)", 0.0)
@@ -240,7 +238,7 @@ class Ship:
 
 
 def check_sections(ship: Ship) -> None:
-    """Refuse numbers that no ship has; the message names the field, the value and what is allowed."""
+    """Refuse numbers that no ship has; the message names field, value and what is allowed."""
     positive = {
         "hull": ("L", "B", "d", "volume", "k_zz", "S"),
         "propeller": ("D",),

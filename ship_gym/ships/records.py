@@ -1,4 +1,4 @@
-"""Ships as a numpy record array, the form the kernels read; the dtype comes from the dataclasses."""
+"""Ships as numpy records, the form the kernels read; the dtype comes from the dataclasses."""
 
 from __future__ import annotations
 

@@ -31,6 +31,8 @@ VALIDATION, TRAINING = (1, 2, 3, 4), (5, 6, 7, 8, 9, 10, 11, 12)
 # The surrogate fades into open water and the effective-inflow law over these margins of its box.
 J_MARGIN = (0.1, 0.2)  # below and above
 BETA_MARGIN = math.radians(10.0)
+# It is trusted fully a little beyond the box, so that interpolation keeps it whole inside.
+J_FULL, BETA_FULL = 0.02, math.radians(1.5)
 GRID = (61, 53)  # points over advance angle and drift: 0.5 % of each range, checked by `tabulate`
 
 
@@ -43,7 +45,7 @@ def sample_set(samples: CsvTable, grid: str, turbulence: str, points) -> CsvTabl
     missing = [p for p, found in zip(points, order, strict=True) if len(found) != 1]
     if missing:
         raise ConfigError(
-            f"{samples.path}: points {missing} of grid {grid}, {turbulence} must be there exactly once"
+            f"{samples.path}: points {missing} of grid {grid}, {turbulence} must be there once"
         )
     return rows.select(np.concatenate(order))
 
@@ -79,8 +81,10 @@ def trust(J, beta, box: dict[str, float]):
         x = np.clip(x, 0.0, 1.0)
         return 1.0 - x * x * (3.0 - 2.0 * x)
 
-    low, high = (box["J_min"] - J) / J_MARGIN[0], (J - box["J_max"]) / J_MARGIN[1]
-    left, right = (box["beta_min"] - beta) / BETA_MARGIN, (beta - box["beta_max"]) / BETA_MARGIN
+    low = (box["J_min"] - J - J_FULL) / (J_MARGIN[0] - J_FULL)
+    high = (J - box["J_max"] - J_FULL) / (J_MARGIN[1] - J_FULL)
+    left = (box["beta_min"] - beta - BETA_FULL) / (BETA_MARGIN - BETA_FULL)
+    right = (beta - box["beta_max"] - BETA_FULL) / (BETA_MARGIN - BETA_FULL)
     return fade(np.maximum(low, high)) * fade(np.maximum(left, right))
 
 
@@ -192,7 +196,7 @@ def _table_with_card(ship, models, training, validation, from_points, order, sam
     }
     X_v = inputs(validation)
     card = {
-        "title": f"KCS propeller and rudder behind the hull, rudder 35 deg, {order} order regression",
+        "title": f"KCS propeller and rudder behind hull, rudder 35 deg, {order} order regression",
         "source": training.header["source"],
         "inputs": {Path(p).name: sha256(p) for p in (samples_path, KCS_COEFFICIENTS)},
         "training_points": [int(p) for p in training.columns["point"]],

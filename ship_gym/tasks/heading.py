@@ -139,13 +139,15 @@ def _observe_batch(states, commands, ships, seas, tasks, observations):
         observe(states[i], commands[i], ships[i], seas[i], tasks[i], observations[i])
 
 
-def _judge_batch(states, rudder_before, seas, tasks, terms, verdict):
+def _judge_batch(
+    states, rudder_before, seas, tasks, terms, rewards, terminated, truncated, elapsed, steps
+):
     """Reward terms (n, 5) of the interval just sailed and the verdict on it.
 
-    `verdict` holds the rewards (n,), terminated (n,), truncated (n,), elapsed (n,) and the number of
-    intervals of an episode.
+    Writes rewards, terminated, truncated and elapsed, each (n,); `steps` is the number of
+    intervals of an episode. The arrays are no tuple: numba 0.68 loses what a parallel loop writes
+    into arrays unpacked from one.
     """
-    rewards, terminated, truncated, elapsed, steps = verdict
     for i in prange(states.shape[0]):
         psi, delta = states[i, PSI], states[i, DELTA]
         u_c, _ = water_velocity(psi, seas[i])

@@ -1,0 +1,141 @@
+"""ShipVecEnv: the native vector environment in the form that stable-baselines3 takes.
+
+Stable-baselines3 does not accept a Gymnasium ``VectorEnv``. This adapter costs one batch step per
+call instead of n scalar environments, and builds no info for an episode that is still running.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from stable_baselines3.common.vec_env import VecEnv
+
+from ship_gym.config import ConfigError
+from ship_gym.envs.vector_env import ShipVectorEnv
+
+
+class ShipVecEnv(VecEnv):
+    """stable-baselines3 ``VecEnv`` over one ``ShipVectorEnv``.
+
+    Gives what ``DummyVecEnv`` over scalar ``ShipEnv`` gives, with two differences: the info of a
+    running episode is empty, and that of an ended one also has ``episode`` (return ``r``, length
+    ``l``, seconds since construction ``t``), so no ``VecMonitor`` is needed.
+
+    Parameters
+    ----------
+    num_envs : int
+        Number of environments.
+    stagger : bool
+        Let the first episodes after a reset end early, at random times drawn from the seed. The
+        environments are then spread over all phases of an episode; without it a short rollout
+        sees n starts and the next n steady voyages.
+    **arguments
+        Arguments of ``ShipVectorEnv`` (ship, control, scenario, overrides, parallel, ...); the
+        autoreset mode is given by stable-baselines3.
+    """
+
+    def __init__(self, num_envs: int, stagger: bool = False, **arguments: Any):
+        self.env = ShipVectorEnv(num_envs, autoreset_mode="SameStep", **arguments)
+        self.stagger = stagger
+        super().__init__(
+            num_envs, self.env.single_observation_space, self.env.single_action_space
+        )
+        self._actions = np.zeros((num_envs, *self.action_space.shape), dtype=np.float32)
+        self._returns = np.zeros(num_envs)
+        self._lengths = np.zeros(num_envs, dtype=np.int64)
+        self._born = time.monotonic()
+
+    def reset(self) -> np.ndarray:
+        """Begin new episodes everywhere with the seeds of `seed`; float32, shape (n, 9)."""
+        seeds = self._seeds if self._seeds[0] is not None else None
+        observations, _ = self.env.reset(seed=seeds)
+        if self.stagger:
+            generator = np.random.default_rng(self._seeds[0])
+            steps = self.env.scenario.steps
+            self.env.episodes.elapsed[:] = generator.integers(0, steps, self.num_envs)
+        self._reset_seeds()
+        self._reset_options()
+        self._returns[:], self._lengths[:] = 0.0, 0
+        self.reset_infos = [{} for _ in range(self.num_envs)]
+        return observations
+
+    def step_async(self, actions: np.ndarray) -> None:
+        """Keep the actions, shape (n, n_actions), for `step_wait`."""
+        self._actions = np.asarray(actions, dtype=np.float32)
+
+    def step_wait(self):
+        """Sail one interval: observations (n, 9), rewards (n,), dones (n,), infos [n dicts]."""
+        observations, rewards, terminated, truncated, batch = self.env.step(self._actions)
+        self._returns += rewards
+        self._lengths += 1
+        dones = terminated | truncated
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        for i in np.flatnonzero(dones):
+            infos[i] = self._end_of_episode(int(i), batch)
+            infos[i]["TimeLimit.truncated"] = bool(truncated[i] and not terminated[i])
+        return observations, rewards.astype(np.float32), dones, infos
+
+    def _end_of_episode(self, i: int, batch: dict[str, Any]) -> dict[str, Any]:
+        """Info of the last interval, terminal observation and statistics; the counters restart."""
+        info = _row(batch["final_info"], i)
+        info["terminal_observation"] = batch["final_obs"][i]
+        info["episode"] = {
+            "r": float(self._returns[i]),
+            "l": int(self._lengths[i]),
+            "t": round(time.monotonic() - self._born, 6),
+        }
+        self._returns[i], self._lengths[i] = 0.0, 0
+        return info
+
+    def close(self) -> None:
+        """Release the environment."""
+        self.env.close()
+
+    def get_attr(self, attr_name: str, indices=None) -> list[Any]:
+        """Attribute of the vector environment, once per index: all environments share it."""
+        value = getattr(self.env, attr_name)
+        return [value for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices=None) -> None:
+        """Set an attribute of the vector environment; only for all environments at once."""
+        self._demand_all(indices, f"set {attr_name!r}")
+        setattr(self.env, attr_name, value)
+
+    def env_method(self, method_name: str, *method_args, indices=None, **method_kwargs):
+        """Call a method of the vector environment once; its result, once per environment."""
+        self._demand_all(indices, f"call {method_name!r}")
+        if method_name in ("reset", "step", "close"):
+            raise ConfigError(f"call {method_name!r} on ShipVecEnv itself, not by env_method")
+        result = getattr(self.env, method_name)(*method_args, **method_kwargs)
+        return [result] * self.num_envs
+
+    def env_is_wrapped(self, wrapper_class: type, indices=None) -> list[bool]:
+        """No environment is wrapped: there is one batch, not n environments."""
+        return [False for _ in self._get_indices(indices)]
+
+    def get_images(self):
+        """No pictures; recordings are the way to look at a rollout."""
+        return [None] * self.num_envs
+
+    def render(self, mode: str | None = None) -> None:
+        """Draw nothing."""
+
+    def _demand_all(self, indices, what: str) -> None:
+        if sorted(set(self._get_indices(indices))) != list(range(self.num_envs)):
+            raise ConfigError(
+                f"cannot {what} for environments {indices}: they are one batch, allowed is all "
+                "of them (indices=None)"
+            )
+
+
+def _row(info: dict[str, Any], i: int) -> dict[str, Any]:
+    """Row i of a batched info as plain values, as the scalar environment gives it."""
+    result: dict[str, Any] = {}
+    for key, value in info.items():
+        if isinstance(value, dict):
+            result[key] = _row(value, i)
+        elif not key.startswith("_"):
+            result[key] = value[i].copy() if value.ndim > 1 else value[i].item()
+    return result

@@ -1,0 +1,56 @@
+"""What every script shares: parser with examples, one-line errors, progress bar, JSON output."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from ship_gym.config import ConfigError
+
+_REFUSED = 2  # exit code of argparse, and ours: nothing was done, or it was broken off
+_QUIET = 2.0  # seconds before a progress bar appears
+
+
+def parser(description: str, examples: Sequence[str]) -> argparse.ArgumentParser:
+    """Argument parser with ``--json`` whose ``--help`` ends with `examples` (command lines)."""
+    lines = "".join(f"  {example}\n" for example in examples)
+    made = argparse.ArgumentParser(
+        description=description,
+        epilog=f"examples:\n{lines}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    made.add_argument("--json", action="store_true", help="print the result as JSON on stdout")
+    return made
+
+
+def run(main: Callable[[], Any]) -> None:
+    """Call `main` and exit; an error a user can mend is one line on stderr and exit code 2."""
+    try:
+        main()
+    except KeyboardInterrupt:
+        sys.exit(_refuse("interrupted"))
+    except (ConfigError, ImportError, OSError) as error:
+        sys.exit(_refuse(f"error: {error}"))
+
+
+def _refuse(message: str) -> int:
+    print(" ".join(message.split()), file=sys.stderr)
+    return _REFUSED
+
+
+def progress(iterable: Iterable, description: str = "", total: int | None = None) -> Iterable:
+    """The iterable with a tqdm bar on a terminal after 2 s, if tqdm is installed; else as it is."""
+    try:
+        from tqdm import tqdm
+    except ImportError:
+        return iterable
+    # disable=None: no bar where stderr is no terminal
+    return tqdm(iterable, description, total, leave=False, delay=_QUIET, disable=None)
+
+
+def show(as_json: bool, data: Mapping[str, Any], text: str) -> None:
+    """Print `data` as JSON (``--json``) or `text` for people, on stdout."""
+    print(json.dumps(data, indent=2) if as_json else text)

@@ -1,0 +1,263 @@
+"""Rollouts: one episode per seed under one controller, all of them sailed in one batch."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.utils import seeding
+
+from ship_gym.config import ConfigError, check_number
+from ship_gym.conventions import wrap_angle
+from ship_gym.envs.env import resolved_scenario
+from ship_gym.envs.episodes import N_DRAWS, EpisodeBatch
+from ship_gym.evaluation.controller import Controller
+from ship_gym.manoeuvres import ship_meta
+from ship_gym.provenance import provenance
+from ship_gym.recording.trajectory import Trajectory
+from ship_gym.scenarios.scenario import Scenario
+from ship_gym.ships.particulars import Ship
+from ship_gym.simulation import history_columns
+from ship_gym.tasks.heading import REWARD_TERMS
+
+# Episode seeds: training draws from [0, TUNING_SEED), gains and hyperparameters are tuned on
+# [TUNING_SEED, EVALUATION_SEED), and nothing but an evaluation uses EVALUATION_SEED and above.
+TUNING_SEED = 500_000
+EVALUATION_SEED = 1_000_000
+
+_HISTORIES = ("time", "states", "commands", "forces", "flow")
+
+
+def evaluation_seeds(n: int) -> list[int]:
+    """The first `n` seeds that are kept for evaluation."""
+    n = int(check_number("episodes", n, 1, 10**6))
+    return list(range(EVALUATION_SEED, EVALUATION_SEED + n))
+
+
+def tuning_seeds(n: int) -> list[int]:
+    """The first `n` seeds that are kept for tuning; disjoint from training and evaluation."""
+    n = int(check_number("episodes", n, 1, EVALUATION_SEED - TUNING_SEED))
+    return list(range(TUNING_SEED, TUNING_SEED + n))
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Rollout:
+    """Episodes of one controller, one per seed.
+
+    Row k of the histories is the instant at which action k is taken; T is the longest planned
+    number of intervals. Episode i sails ``lengths[i]`` intervals, so its rows 0 to ``lengths[i]``
+    count, the last of them being its final state; what lies behind is not part of it.
+
+    Attributes
+    ----------
+    controller : str
+        Name.
+    scenario : Scenario
+    ship : Ship
+    seeds : tuple of int
+        Shape (n,): episode i is that of ``ShipEnv.reset(seed=seeds[i])``, bit for bit.
+    lengths : numpy.ndarray
+        Intervals sailed, shape (n,).
+    terminated : numpy.ndarray
+        Whether each episode ended as failed, shape (n,); else it was truncated.
+    histories : dict
+        ``time`` [s] (T+1, n), ``states`` (T+1, n, 8), ``commands`` (T+1, n, 2), ``forces``
+        (T+1, n, 4, 3), ``flow`` (T+1, n, 7), ``terms`` (T, n, 5), ``rewards`` (T, n).
+    psi_ordered : numpy.ndarray
+        Ordered heading [rad], shape (n,).
+    current : numpy.ndarray
+        Speed [m/s] and direction it flows to [rad, from north], shape (n, 2).
+    provenance : dict
+    """
+
+    controller: str
+    scenario: Scenario
+    ship: Ship
+    seeds: tuple[int, ...]
+    lengths: np.ndarray
+    terminated: np.ndarray
+    histories: dict[str, np.ndarray]
+    psi_ordered: np.ndarray
+    current: np.ndarray
+    provenance: dict[str, object]
+
+    def __len__(self) -> int:
+        """Return the number of episodes."""
+        return len(self.seeds)
+
+    @property
+    def episodes(self) -> list[Trajectory]:
+        """All episodes as recordings, made anew at each call."""
+        return [self.trajectory(i) for i in range(len(self))]
+
+    def trajectory(self, i: int) -> Trajectory:
+        """Episode i as a recording from which every metric can be computed again.
+
+        Row k holds the state at ``t[k]``, the command given then, forces and flow at that instant
+        and the reward of the interval that starts there. The last row is the final state: it
+        repeats the last command, its forces are those at that state, its reward is 0.
+        """
+        rows = slice(0, self.lengths[i] + 1)
+        parts = [self.histories[name][rows, i] for name in _HISTORIES]
+        columns = history_columns(*parts)
+        columns["psi_ordered"] = np.full(len(columns["t"]), self.psi_ordered[i])
+        columns["psi_error"] = wrap_angle(columns["psi"] - self.psi_ordered[i])
+        columns["current_speed"] = np.full(len(columns["t"]), self.current[i, 0])
+        columns["current_direction_to"] = np.full(len(columns["t"]), self.current[i, 1])
+        sailed = slice(0, self.lengths[i])
+        columns["reward"] = np.append(self.histories["rewards"][sailed, i], 0.0)
+        for k, name in enumerate(REWARD_TERMS):
+            columns[f"reward_{name}"] = np.append(self.histories["terms"][sailed, i, k], 0.0)
+        return Trajectory(columns, self._meta(i))
+
+    def _meta(self, i: int) -> dict[str, Any]:
+        terminated = bool(self.terminated[i])
+        return {
+            "task": self.scenario.task,
+            "controller": self.controller,
+            "seed": self.seeds[i],
+            "config": self.scenario.to_dict(),
+            "ship": ship_meta(self.ship),
+            "terminated": terminated,
+            "truncated": not terminated,
+            **self.provenance,
+        }
+
+
+def begin(
+    seeds: Sequence[int],
+    scenario: str | Mapping[str, Any] | Scenario = "heading_keeping",
+    *,
+    ship: str | Ship | None = None,
+    control: str | None = None,
+    surrogate: str | None = None,
+    overrides: Mapping[str, Any] | None = None,
+) -> EpisodeBatch:
+    """A batch at the start of the episodes of `seeds`, as ``ShipEnv.reset(seed=...)`` draws them.
+
+    Parameters
+    ----------
+    seeds : sequence of int
+        Shape (n,); a seed may occur more than once.
+    scenario, ship, control, surrogate, overrides
+        As in ``ShipEnv``.
+
+    Raises
+    ------
+    ConfigError
+        No seeds, a negative one, or a scenario that cannot be used.
+    """
+    if len(seeds) == 0 or min(seeds) < 0:
+        raise ConfigError(f"seeds = {list(seeds)}: at least one is needed, none negative")
+    resolved, given = resolved_scenario(scenario, ship, control, surrogate, overrides)
+    batch = EpisodeBatch(len(seeds), resolved, given)
+    draws = [seeding.np_random(int(seed))[0].random(N_DRAWS) for seed in seeds]
+    batch.start(np.arange(len(seeds)), np.stack(draws))
+    return batch
+
+
+def rollout(
+    controller: Controller,
+    scenario: str | Mapping[str, Any] | Scenario = "heading_keeping",
+    *,
+    seeds: Sequence[int],
+    ship: str | Ship | None = None,
+    control: str | None = None,
+    surrogate: str | None = None,
+    overrides: Mapping[str, Any] | None = None,
+    progress: Any = None,
+) -> Rollout:
+    """Sail one episode per seed under one controller.
+
+    Parameters
+    ----------
+    controller : Controller
+        Its row i must depend on row i of the observations only: episodes that have ended keep
+        their row until all have.
+    seeds : sequence of int
+        `evaluation_seeds(n)` for anything that is reported.
+    scenario, ship, control, surrogate, overrides
+        As in ``ShipEnv``.
+    progress : callable, optional
+        Wraps the iterable of control intervals, e.g. ``tqdm.tqdm``.
+
+    Returns
+    -------
+    Rollout
+    """
+    batch = begin(
+        seeds, scenario, ship=ship, control=control, surrogate=surrogate, overrides=overrides
+    )
+    controller.reset(batch.n, batch.ship, batch.scenario)
+    log = _Log(batch)
+    steps = range(batch.scenario.steps)
+    for k in steps if progress is None else progress(steps):
+        log.sail(k, controller.act(batch.observations))
+        if log.ended.all():
+            break
+    log.close(k + 1)
+    sea = batch.sim.seas
+    towards = np.arctan2(sea["V_east"], sea["V_north"]) % (2.0 * math.pi)
+    return Rollout(
+        controller=controller.name,
+        scenario=batch.scenario,
+        ship=batch.ship,
+        seeds=tuple(int(seed) for seed in seeds),
+        lengths=log.lengths,
+        terminated=log.failed,
+        histories=log.histories,
+        psi_ordered=batch.tasks["psi_ordered"].copy(),
+        current=np.column_stack([np.hypot(sea["V_north"], sea["V_east"]), towards]),
+        provenance=provenance(),
+    )
+
+
+class _Log:
+    """Histories of a batch while it sails."""
+
+    def __init__(self, batch: EpisodeBatch):
+        self.batch, sim = batch, batch.sim
+        self._now = {
+            "time": sim.time,
+            "states": sim.state,
+            "commands": sim.commands,
+            "forces": sim.forces,
+            "flow": sim.flow,
+        }
+        self._earned = {"terms": batch.terms, "rewards": batch.rewards}
+        rows = batch.scenario.steps
+        shapes = {name: (rows + 1, *a.shape) for name, a in self._now.items()}
+        shapes.update({name: (rows, *a.shape) for name, a in self._earned.items()})
+        self.histories = {name: np.zeros(shape) for name, shape in shapes.items()}
+        self.lengths = np.full(batch.n, rows)
+        self.ended = np.zeros(batch.n, dtype=np.bool_)
+        self.failed = np.zeros(batch.n, dtype=np.bool_)
+
+    def sail(self, k: int, actions: np.ndarray) -> None:
+        """Sail interval k and keep its start, its forces and its reward."""
+        for name in ("time", "states"):
+            self.histories[name][k] = self._now[name]
+        self.batch.step(actions)
+        # The engine's forces, flow and command belong to the start of the interval.
+        for name in ("commands", "forces", "flow"):
+            self.histories[name][k] = self._now[name]
+        for name, values in self._earned.items():
+            self.histories[name][k] = values
+        new = ~self.ended & (self.batch.terminated | self.batch.truncated)
+        self.lengths[new] = k + 1
+        self.failed[new] = self.batch.terminated[new]
+        self.ended |= new
+
+    def close(self, k: int) -> None:
+        """Fill row k, the final state, with the forces that one more step finds at its start."""
+        sim, dt = self.batch.sim, self.batch.dt
+        for name in ("time", "states"):
+            self.histories[name][k] = self._now[name]
+        sim.step(sim.commands.copy(), dt)
+        for name in ("commands", "forces", "flow"):
+            self.histories[name][k] = self._now[name]
+        last = self.lengths, np.arange(self.batch.n)
+        self.histories["commands"][last] = self.histories["commands"][last[0] - 1, last[1]]

@@ -1,0 +1,69 @@
+"""What all pictures share: style, colours, and writing a file whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+
+import matplotlib.style
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ship_gym.provenance import atomic_path
+
+INK, FAINT, GRID = "#22303c", "#8795a1", "#e3e8ec"
+BLUE, TEAL, AMBER, RED = "#1f5a94", "#2a8f82", "#d98324", "#b8402f"
+COMPONENTS = {"hull": BLUE, "propeller": TEAL, "rudder": RED, "disturbance": FAINT}
+DASHED = (0, (4, 2))
+MEASURED = AMBER  # whatever comes from a trial, in every picture
+
+_DPI = 110
+_STYLE = {
+    "axes.axisbelow": True,
+    "axes.edgecolor": FAINT,
+    "axes.grid": True,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.8,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlelocation": "left",
+    "axes.titlesize": 10,
+    "font.size": 9,
+    "grid.color": GRID,
+    "grid.linewidth": 0.8,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "lines.linewidth": 1.6,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+}
+
+
+@contextlib.contextmanager
+def picture(path: str | os.PathLike, width: float, height: float) -> Iterator[Figure]:
+    """Give an empty figure of `width` by `height` inches; write it as PNG when the block ends.
+
+    The caller's own matplotlib settings and backend are neither used nor changed. An exception in
+    the block leaves an existing file as it was.
+    """
+    with matplotlib.style.context(["default", _STYLE]):
+        figure = Figure(figsize=(width, height), layout="constrained")
+        yield figure
+        with atomic_path(path) as temporary:
+            figure.savefig(temporary, dpi=_DPI, format="png", metadata={"Software": "Ship Gym"})
+
+
+def headline(figure: Figure, title: str, details: str) -> None:
+    """Title and a fainter line of details under it, at the upper left of the figure."""
+    room = 0.62 / figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - room))
+    style = {"x": 0.012, "ha": "left", "va": "top"}
+    figure.text(y=1.0 - 0.12 * room, s=title, fontsize=13, fontweight="bold", **style)
+    figure.text(y=1.0 - 0.55 * room, s=details, color=FAINT, **style)
+
+
+def level(axes: Axes, value: float, **kwargs) -> None:
+    """Measured value of a trial as a dashed horizontal line."""
+    axes.axhline(value, color=MEASURED, linestyle=DASHED, linewidth=1.2, **kwargs)

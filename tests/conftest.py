@@ -1,0 +1,31 @@
+import dataclasses
+
+import pytest
+
+from ship_gym.ships import available_ships, load_ship
+from ship_gym.ships.records import fleet
+
+SHIPS = available_ships()
+
+
+def tables_of(ship):
+    """Record and tables of one ship, as the kernels take them."""
+    made = fleet([ship])
+    return made.records[0], (made.water[0], made.deflected[0])
+
+
+def symmetric(ship):
+    """The same ship without difference between turns to starboard and to port."""
+    rudder = dataclasses.replace(ship.rudder, gamma_R_n=ship.rudder.gamma_R_p)
+    propeller = dataclasses.replace(ship.propeller, wake_C2_n=ship.propeller.wake_C2_p)
+    return dataclasses.replace(ship, rudder=rudder, propeller=propeller)
+
+
+@pytest.fixture(scope="session", params=SHIPS)
+def ship(request):
+    return load_ship(request.param)
+
+
+@pytest.fixture(scope="session")
+def kcs_model():
+    return load_ship("kcs_model")

@@ -1,0 +1,108 @@
+import math
+import pickle
+import shutil
+
+import pytest
+
+from ship_gym.config import ConfigError
+from ship_gym.ships import available_surrogates, available_variants, load_ship
+from ship_gym.ships.loader import DATA
+
+
+def test_every_number_has_a_source(ship):
+    assert all(source.strip() for source in ship.sources.values())
+    for section in ("hull", "propeller", "rudder", "gear", "engine"):
+        assert any(name.startswith(section) for name in ship.sources)
+    assert set(ship.estimated) <= set(ship.sources) | {"open_water"}
+    text = ship.describe()
+    assert ship.title in text and all(name in text for name in ship.estimated)
+
+
+def test_printed_numbers_arrive_in_si():
+    ship = load_ship("kcs_model", surrogate="none")
+    assert ship.hull.L == 3.057
+    assert ship.rudder.x_H == pytest.approx(-0.436 * 3.057)  # unit L
+    assert ship.gear.rate == pytest.approx(math.radians(20.1))
+    assert load_ship("kcs").gear.rate == pytest.approx(math.radians(2.32))
+    assert load_ship("kcs").hull.L == pytest.approx(230.0)
+
+
+def test_a_ship_pickles(ship):
+    again = pickle.loads(pickle.dumps(ship))
+    assert again.hull == ship.hull and again.sources == ship.sources
+    assert (again.open_water.values == ship.open_water.values).all()
+
+
+def test_hull_variants_are_the_published_sets():
+    assert available_variants("kcs_model") == ["hull_a", "hull_c"] == available_variants("kcs")
+    a = load_ship("kcs_model", variant="hull_a", surrogate="none")
+    assert (a.variant, a.hull.Y_vrr, a.hull.R_0) == ("A", -0.8341, 0.0167)
+    c = load_ship("kcs", variant="hull_c")
+    assert (c.variant, c.hull.Y_r) == ("C", 0.0306)
+
+
+def test_the_surrogate_replaces_the_law_by_the_one_fitted_with_it():
+    ship, bare = load_ship("kcs_model"), load_ship("kcs_model", surrogate="none")
+    law = ship.surrogate.card["effective_inflow"]
+    assert ship.rudder.epsilon == law["epsilon"] != bare.rudder.epsilon
+    assert ship.rudder.t_R == 0.0
+    # the samples are of starboard turns; the port side keeps the ship's own ratio
+    ratio = bare.rudder.gamma_R_n / bare.rudder.gamma_R_p
+    assert ship.rudder.gamma_R_n == pytest.approx(law["gamma_R"] * ratio)
+    assert "CFD samples" in ship.sources["rudder.kappa"]
+
+
+@pytest.mark.parametrize(
+    ("call", "word"),
+    [
+        (lambda: load_ship("kcss"), "did you mean 'kcs'"),
+        (lambda: load_ship("kcs", surrogate="G2_SB"), "did you mean 'G2_SA'"),
+        (lambda: load_ship("kcs", variant="hull_b"), "hull variant"),
+        (lambda: load_ship("nowhere/ship.toml"), "no such file"),
+    ],
+)
+def test_unknown_names(call, word):
+    with pytest.raises(ConfigError) as error:
+        call()
+    assert word in str(error.value)
+
+
+def test_surrogates_of_every_ship():
+    assert available_surrogates("kcs") == ["none", "G1_SA", "G2_SA", "G2_SST", "G3_SA"]
+    assert available_surrogates("kvlcc2") == ["none"]
+
+
+@pytest.fixture
+def own_ship(tmp_path):
+    """A user's ship file in a folder of its own."""
+    shutil.copytree(DATA / "kvlcc2_model", tmp_path / "mine")
+    return tmp_path / "mine" / "ship.toml"
+
+
+def test_a_ship_file_from_outside_the_package(own_ship):
+    assert load_ship(str(own_ship)).hull == load_ship("kvlcc2_model").hull
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("R_0 = 0.022", "R_O = 0.022", ["hull.'R_O'", "R_0"]),
+        ("R_0 = 0.022\n", "", ["missing key hull.'R_0'"]),
+        ("R_0 = 0.022", "R_0 = inf", ["hull.R_0"]),
+        ("R_0 = 0.022", "R_0 = true", ["hull.R_0"]),
+        ('value = 35.0, unit = "deg"', 'value = 35.0, unit = "rad"', ["looks like degrees"]),
+        ('value = 7.00, unit = "m"', 'value = 7.00, unit = "kg"', ["hull.L", "allowed is m"]),
+        ('value = 3.27, unit = "m3"', 'value = 32.7, unit = "m3"', ["block coefficient"]),
+        ('value = 0.0539, unit = "m2" }', 'value = -1.0, unit = "m2" }', ["rudder.A_R", "> 0"]),
+        ("t_P = 0.220", "t_p = 0.220", ["t_p", "did you mean 't_P'"]),
+        ("[gear]", "[gears]", ["gears", "did you mean 'gear'"]),
+    ],
+)
+def test_a_wrong_ship_file_names_the_field(own_ship, old, new, words):
+    text = own_ship.read_text()
+    assert old in text
+    own_ship.write_text(text.replace(old, new, 1))
+    with pytest.raises(ConfigError) as error:
+        load_ship(str(own_ship))
+    for word in words:
+        assert word in str(error.value)

@@ -1,0 +1,63 @@
+import dataclasses
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ship_gym.conventions import KNOT
+from ship_gym.manoeuvres import turning_circle
+from ship_gym.ships import load_ship, scaled
+from ship_gym.ships.particulars import Engine, Hull, Propeller, Rudder, SteeringGear, Surrogate
+from ship_gym.ships.scaling import _POWERS, ittc57
+from ship_gym.simulation import self_propulsion
+
+
+def test_every_unit_of_a_particular_scales():
+    for cls in (Hull, Propeller, Rudder, SteeringGear, Engine, Surrogate):
+        for field in dataclasses.fields(cls):
+            assert field.metadata["unit"] in _POWERS, f"{cls.__name__}.{field.name}"
+
+
+def test_ittc57_textbook_value():
+    # 0.075 / (log10(1e9) - 2)^2 = 0.075 / 49
+    assert ittc57(1e9) == pytest.approx(0.075 / 49.0)
+
+
+@settings(max_examples=4, deadline=None)
+@given(st.floats(1.0, 400.0))
+def test_froude_scaling_keeps_the_turning_circle(length):
+    model = load_ship("kcs_model")
+    other = scaled(model, length, rho=model.rho, friction_correction=False)
+    a, b = turning_circle(model, n=10.2), None
+    n = 10.2 * math.sqrt(model.hull.L / length)
+    b = turning_circle(other, n=n)
+    for name in ("advance", "tactical_diameter", "steady_speed_ratio", "steady_drift", "steady_J"):
+        assert getattr(b, name) == pytest.approx(getattr(a, name), rel=1e-9)
+    assert b.steady_thrust == pytest.approx(a.steady_thrust * (length / model.hull.L) ** 3)
+
+
+def test_kcs_set_a_self_propulsion_at_24_knots():
+    # published 115.5 rpm at 24 kn: the model's self-propulsion point at full scale, so R0' as it is
+    model = load_ship("kcs_model", surrogate="none", variant="hull_a")
+    ship = scaled(model, 230.0, friction_correction=False)
+    assert 60.0 * self_propulsion(ship, 24.0 * KNOT) == pytest.approx(115.5, rel=0.005)
+
+
+def test_friction_correction_lowers_resistance_by_its_formula():
+    model = load_ship("kcs_model")
+    ship = load_ship("kcs")
+    h = ship.hull
+    old = ittc57(model.speed * model.hull.L / model.nu)
+    new = ittc57(ship.speed * h.L / ship.nu)
+    change = (h.form_factor * (old - new) - h.C_A) * h.S / (h.L * h.d)
+    assert model.hull.R_0 - h.R_0 == pytest.approx(change)
+    assert 0.4 * model.hull.R_0 < h.R_0 < 0.6 * model.hull.R_0
+
+
+def test_scaling_down_again_gives_the_model_back():
+    ship = load_ship("kcs")
+    model = scaled(ship, 3.057, rho=999.103, friction_correction=False)
+    assert model.propeller.D == pytest.approx(0.105)
+    assert model.scale == pytest.approx(75.2371)
+    assert model.surrogate.card["domain"]["S_R"] == pytest.approx(0.0096)
