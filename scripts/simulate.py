@@ -4,30 +4,72 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from _cli import parser, run, show
+from _cli import parser, progress, run, show
 
 from ship_gym import load_ship
+from ship_gym.config import check_known
 from ship_gym.plotting import plot_manoeuvre
 from ship_gym.reports import manoeuvre as report
+from ship_gym.reports.case import MANOEUVRES, Case, sail, sail_trial, trials
 
 EXAMPLES = (
-    "python scripts/simulate.py                                  # KCS model, 35 deg, its trial",
-    "python scripts/simulate.py zigzag --ship kvlcc2_model --delta -20 --psi -20",
-    "python scripts/simulate.py trials --ship kvlcc2_model       # measured beside computed",
+    "python scripts/simulate.py                                  # KCS model beside its trial",
+    "python scripts/simulate.py zigzag --ship kvlcc2_model --delta -20",
+    "python scripts/simulate.py trials --ship kvlcc2_model       # every measured manoeuvre",
     "python scripts/simulate.py turning --ship kcs --n 1.5 --sea current --csv runs/turn.csv",
 )
 
 
+def arguments():
+    p = parser(f"{__doc__} Angles are in degrees, positive to starboard.", EXAMPLES)
+    p.add_argument(
+        "what",
+        nargs="?",
+        default="turning",
+        help="turning (default), zigzag, or trials: all of the ship file, as measured",
+    )
+    p.add_argument("--ship", default="kcs_model", help="name or ship file (default kcs_model)")
+    p.add_argument("--surrogate", help="propeller and rudder, e.g. G2_SA or none (MMG rudder)")
+    p.add_argument("--variant", help="other published hull set, e.g. hull_a")
+    p.add_argument("--delta", dest="delta_deg", type=float, help="rudder [deg]; 35, zig-zag 10")
+    p.add_argument("--psi", dest="psi_deg", type=float, help="zig-zag heading [deg]; as --delta")
+    p.add_argument("--speed", type=float, help="approach [m/s] (default: the ship's nominal)")
+    p.add_argument("--n", type=float, help="[rev/s] (default: the trial's, else self-propulsion)")
+    p.add_argument("--sea", default="calm", help="calm (default), current, disturbed, ...")
+    p.add_argument("--out", type=Path, help="picture (default runs/turning_circle.png etc.)")
+    p.add_argument("--csv", type=Path, help="also write the time history")
+    p.add_argument("--rrd", type=Path, help="also write a rerun recording")
+    return p.parse_args()
+
+
+def write(case: Case, args, number: str) -> list[str]:
+    """Write the picture and what else was asked for; return the paths, numbered if several."""
+    out = args.out or Path("runs") / f"{case.manoeuvre}.png"
+    jobs = {out: lambda path: plot_manoeuvre(case, path)}
+    jobs |= {args.csv: case.result.trajectory.to_csv, args.rrd: case.result.trajectory.to_rrd}
+    paths = {path.with_stem(path.stem + number): job for path, job in jobs.items() if path}
+    for path, job in paths.items():
+        job(path)
+    return [str(path) for path in paths]
+
+
 def main() -> None:
     args = arguments()
+    check_known("manoeuvre", args.what, [*MANOEUVRES, "trials"])
     ship = load_ship(args.ship, surrogate=args.surrogate, variant=args.variant)
+    options = {k: getattr(args, k) for k in ("delta_deg", "psi_deg", "speed", "n", "sea")}
     if args.what == "trials":
-        cases = report.sail_trials(ship)
+        jobs = [lambda t=t: sail_trial(ship, t) for t in trials(ship)]
     else:
-        options = ("delta_deg", "psi_deg", "speed", "n", "sea")
-        cases = [report.sail(ship, args.what, **{key: getattr(args, key) for key in options})]
-    written = [write(case, args, k if len(cases) > 1 else 0) for k, case in enumerate(cases, 1)]
-    found = [report.as_dict(c) | {"files": f} for c, f in zip(cases, written, strict=True)]
-    texts = [report.as_text(c) + f"\nwrote {', '.join(f)}" for c, f in zip(cases, written)]
-    texts.append(f"{report.estimates(ship)}\n{next_step(args, written[0])}")
-    show(args.json, found[0] if args.what != "trials" else {"trials": found}, "\n\n".join(texts))
+        jobs = [lambda: sail(ship, args.what, **options)]
+    cases, files = [], []
+    for k, job in enumerate(progress(jobs, "sailing"), start=1):
+        cases.append(job())
+        files.append(write(cases[-1], args, f"_{k}" if args.what == "trials" else ""))
+    found = [report.as_dict(c) | {"files": f} for c, f in zip(cases, files, strict=True)]
+    data = {"trials": found} if args.what == "trials" else found[0]
+    show(args.json, data, report.all_as_text(cases, files))
+
+
+if __name__ == "__main__":
+    run(main)

@@ -168,7 +168,7 @@ def rollout(
     control: str | None = None,
     surrogate: str | None = None,
     overrides: Mapping[str, Any] | None = None,
-    progress: Any = None,
+    progress: Any = False,
 ) -> Rollout:
     """Sail one episode per seed under one controller.
 
@@ -181,8 +181,8 @@ def rollout(
         `evaluation_seeds(n)` for anything that is reported.
     scenario, ship, control, surrogate, overrides
         As in ``ShipEnv``.
-    progress : callable, optional
-        Wraps the iterable of control intervals, e.g. ``tqdm.tqdm``.
+    progress : callable or False
+        Wraps the iterable of control intervals, e.g. ``tqdm.tqdm``; False: nothing is shown.
 
     Returns
     -------
@@ -194,7 +194,7 @@ def rollout(
     controller.reset(batch.n, batch.ship, batch.scenario)
     log = _Log(batch)
     steps = range(batch.scenario.steps)
-    for k in steps if progress is None else progress(steps):
+    for k in progress(steps) if progress else steps:
         log.sail(k, controller.act(batch.observations))
         if log.ended.all():
             break

@@ -24,10 +24,11 @@ from ship_gym.plotting.figure import (
     picture,
 )
 from ship_gym.recording.hull_shape import deck_outline
-from ship_gym.recording.trajectory import Trajectory
-from ship_gym.reports.manoeuvre import CONDITION, Case, title
+from ship_gym.reports.case import Case
+from ship_gym.reports.manoeuvre import CONDITION, title
 
 _OUTLINE_EVERY = 30.0  # deg of heading
+_SHOWN = 540.0  # deg of heading in the time histories
 _FORCE_LABELS = {"X": "surge force X [N]", "Y": "sway force Y [N]", "N": "yaw moment N [N m]"}
 
 
@@ -42,7 +43,7 @@ def plot_turning_circle(case: Case, path: str | os.PathLike) -> None:
 
     Parameters
     ----------
-    case : reports.manoeuvre.Case
+    case : reports.case.Case
         A turning circle; the values of its trial, if any, are marked.
     path : path-like
         PNG file; an interrupted write leaves an existing one as it was.
@@ -53,10 +54,17 @@ def plot_turning_circle(case: Case, path: str | os.PathLike) -> None:
         upper = rows[0].subgridspec(3, 3, width_ratios=(2.1, 1.0, 1.0))
         _track(figure.add_subplot(upper[:, 0]), case)
         panels = [figure.add_subplot(upper[k // 2, 1 + k % 2]) for k in range(6)]
-        _histories(panels, case)
+        columns = _shown(case)
+        _histories(panels, case, columns)
         lower = rows[1].subgridspec(1, 3)
-        for k, axis in enumerate("XYN"):
-            _forces(figure.add_subplot(lower[k]), case.result.trajectory, axis)
+        lower = [figure.add_subplot(lower[k]) for k in range(3)]
+        for axes, axis in zip(lower, "XYN", strict=True):
+            _forces(axes, columns, axis)
+        lower[0].legend(ncols=2, loc="best")
+        for axes in (*panels, *lower):
+            axes.set_xlim(0.0, columns["t"][-1])
+        for axes in (*panels[-2:], *lower):
+            axes.set_xlabel("time t [s]")
 
 
 def plot_zigzag(case: Case, path: str | os.PathLike) -> None:
@@ -64,7 +72,7 @@ def plot_zigzag(case: Case, path: str | os.PathLike) -> None:
 
     Parameters
     ----------
-    case : reports.manoeuvre.Case
+    case : reports.case.Case
         A zig-zag; the overshoots of its trial, if any, are marked.
     path : path-like
         PNG file; an interrupted write leaves an existing one as it was.
@@ -133,9 +141,10 @@ def _dimension(axes: Axes, start, end, label: str) -> None:
     axes.annotate("", end, start, arrowprops=arrow)
     upright = start[0] == end[0]
     middle = (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1]))
-    shift = {"xytext": (5, 0) if upright else (0, 4), "textcoords": "offset points"}
-    align = {"ha": "left", "va": "center"} if upright else {"ha": "center", "va": "bottom"}
-    axes.annotate(label, middle, fontsize=8, **shift, **align)
+    shift = {"xytext": (5, 0) if upright else (0, -4), "textcoords": "offset points"}
+    align = {"ha": "left", "va": "center"} if upright else {"ha": "center", "va": "top"}
+    paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0}
+    axes.annotate(label, middle, fontsize=8, bbox=paper, zorder=6, **shift, **align)
 
 
 def _trial_marks(axes: Axes, case: Case, side: float) -> None:
@@ -152,7 +161,7 @@ def _trial_marks(axes: Axes, case: Case, side: float) -> None:
         across = measured.get("transfer", case.result.transfer)
         drawn += axes.plot(side * across, measured["advance"], **dot)
     if "tactical_diameter" in measured:
-        along = _north_at(case, 180.0)
+        along = _at(case, 180.0, "x") / case.ship.hull.L
         drawn += axes.plot(side * measured["tactical_diameter"], along, **dot)
     if "steady_diameter" in measured:
         north, east = _circle_centre(case)
@@ -169,11 +178,10 @@ def _drawn_names(measured: dict) -> list[str]:
     return [name.replace("_", " ") for name in names if name in measured]
 
 
-def _north_at(case: Case, angle: float) -> float:
-    """Way along the approach course [L] where the heading has changed by `angle` [deg]."""
+def _at(case: Case, angle: float, name: str) -> float:
+    """Value of a column where the heading has changed by `angle` [deg]."""
     t = case.result.trajectory
-    turned = np.degrees(np.abs(t["psi"]))
-    return float(np.interp(angle, turned, t["x"])) / case.ship.hull.L
+    return float(np.interp(angle, np.degrees(np.abs(t["psi"])), t[name]))
 
 
 def _circle_centre(case: Case) -> tuple[float, float]:
@@ -185,9 +193,16 @@ def _circle_centre(case: Case) -> tuple[float, float]:
     return float(t["x"][last].mean()) / L, float(t["y"][last].mean()) / L
 
 
-def _histories(panels: list[Axes], case: Case) -> None:
+def _shown(case: Case) -> dict[str, np.ndarray]:
+    """Columns of the first one and a half turns; what follows repeats the steady turn."""
+    t = case.result.trajectory
+    rows = np.abs(t["psi"]) <= math.radians(_SHOWN)
+    return {name: values[rows] for name, values in t.columns.items()}
+
+
+def _histories(panels: list[Axes], case: Case, t: dict[str, np.ndarray]) -> None:
     """Heading, yaw rate, speed, drift, rudder and thrust over time, with the trial's values."""
-    t, L = case.result.trajectory, case.ship.hull.L
+    L = case.ship.hull.L
     U = np.hypot(t["u"], t["v"])
     measured = case.trial.measures if case.trial else {}
     quantities = (
@@ -201,26 +216,20 @@ def _histories(panels: list[Axes], case: Case) -> None:
     for axes, (label, values, trial) in zip(panels, quantities, strict=True):
         axes.plot(t["t"], values, color=BLUE)
         axes.set_title(label)
-        axes.set_xlim(0.0, t["t"][-1])
         if trial is not None:
             level(axes, trial, xmin=0.5)
     for axes in panels[:-2]:
         axes.tick_params(labelbottom=False)
-    for axes in panels[-2:]:
-        axes.set_xlabel("time t [s]")
 
 
-def _forces(axes: Axes, track: Trajectory, axis: str) -> None:
+def _forces(axes: Axes, track: dict[str, np.ndarray], axis: str) -> None:
     """One axis of the force breakdown over time; components that stay zero are left out."""
     for name in FORCE_COMPONENTS:
         values = track[f"{axis}_{name}"]
         if np.any(values != 0.0):
             axes.plot(track["t"], values, color=COMPONENTS[name], label=name, linewidth=1.3)
     axes.axhline(0.0, color=FAINT, linewidth=0.8)
-    axes.set_xlim(0.0, track["t"][-1])
-    axes.set_xlabel("time t [s]")
     axes.set_title(_FORCE_LABELS[axis])
-    axes.legend(ncols=2, loc="best")
 
 
 # --- zig-zag ----------------------------------------------------------------------------------
@@ -260,8 +269,15 @@ def _overshoot_mark(
         label += f"\nmeasured {trial:.1f}"
         peak = max(value, trial)
         label_of_line = "measured peak" if not axes.get_legend_handles_labels()[1][2:] else None
-        axes.plot(when, sign * (limit + trial), "D", color=MEASURED, markersize=5,
-                  label=label_of_line)
-    axes.annotate(label, (when, sign * (limit + peak)), xytext=(0, 5 * sign),
-                  textcoords="offset points", ha="center", va="bottom" if sign > 0 else "top",
-                  fontsize=8)
+        axes.plot(
+            when, sign * (limit + trial), "D", color=MEASURED, markersize=5, label=label_of_line
+        )
+    axes.annotate(
+        label,
+        (when, sign * (limit + peak)),
+        xytext=(0, 5 * sign),
+        textcoords="offset points",
+        ha="center",
+        va="bottom" if sign > 0 else "top",
+        fontsize=8,
+    )

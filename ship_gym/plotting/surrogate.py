@@ -7,8 +7,10 @@ import os
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator
 
 from ship_gym.config import ConfigError, CsvTable
 from ship_gym.physics.dynamics import forces
@@ -21,6 +23,8 @@ QUANTITIES = ("K_T", "10K_Q", "C_Fx", "C_Fy")
 _J = np.linspace(0.1, 1.1, 51)
 _BETA = np.radians(np.linspace(-10.0, 55.0, 53))
 _DRIFTS_DEG = (-10.0, 0.0, 10.0, 20.0, 30.0)
+# light enough that contour labels stay readable
+_WATER = LinearSegmentedColormap.from_list("water", ["#fbfaf0", "#cfe6d8", "#8cc3c9", "#5d98bd"])
 _TITLES = {
     "K_T": "thrust coefficient $K_T$",
     "10K_Q": "torque coefficient 10 $K_Q$",
@@ -129,11 +133,15 @@ def plot_surrogate(
 def _surface(figure: Figure, axes: Axes, ship: Ship, name: str, values, samples) -> None:
     """Contours of one coefficient over J and beta with the samples in their own colour."""
     beta = np.degrees(_BETA)
-    filled = axes.contourf(_J, beta, values, levels=14, cmap="YlGnBu")
-    lines = axes.contour(_J, beta, values, levels=filled.levels[::2], colors=INK, linewidths=0.4)
-    axes.clabel(lines, fontsize=7, fmt="%.2f")
     box = ship.surrogate.card["domain"]
     low, high = math.degrees(box["beta_min"]), math.degrees(box["beta_max"])
+    inside = values[
+        np.ix_((beta >= low) & (beta <= high), (_J >= box["J_min"]) & (_J <= box["J_max"]))
+    ]
+    levels = MaxNLocator(12).tick_values(inside.min(), inside.max())
+    filled = axes.contourf(_J, beta, values, levels=levels, cmap=_WATER, extend="both")
+    lines = axes.contour(_J, beta, values, levels=levels, colors=INK, linewidths=0.4)
+    axes.clabel(lines, levels[::2], fontsize=7, fmt="%.2f")
     corner, width = (box["J_min"], low), box["J_max"] - box["J_min"]
     axes.add_patch(Rectangle(corner, width, high - low, fill=False, edgecolor=INK, linewidth=1.1))
     for rows, marker in zip(samples, ("o", "D"), strict=True):
@@ -170,7 +178,17 @@ def _side_force(axes: Axes, ship: Ship) -> None:
     axes.axvline(0.0, color=FAINT, linewidth=0.8)
     axes.set_title("rudder side force $F_{Ry}$ [N], to starboard")
     axes.set_xlabel("rudder angle delta [deg]")
-    axes.legend(title="drift angle beta", loc="best", ncols=2)
+    axes.legend(title="drift angle beta", loc="lower left", ncols=2)
+    axes.text(
+        0.98,
+        0.97,
+        "corners: stall at\n35 deg of inflow",
+        transform=axes.transAxes,
+        ha="right",
+        va="top",
+        color=FAINT,
+        fontsize=8,
+    )
 
 
 def _held_out(axes: Axes, ship: Ship) -> None:
@@ -186,5 +204,6 @@ def _held_out(axes: Axes, ship: Ship) -> None:
     axes.axhline(0.0, color=FAINT, linewidth=0.8)
     axes.set_xticks(range(len(QUANTITIES)), ["$K_T$", "10 $K_Q$", "$C_{Fx}$", "$C_{Fy}$"])
     axes.grid(False, axis="x")
-    axes.set_title("error on the validation points, 100 (CFD - model)/CFD [%]")
-    axes.legend(ncols=4, loc="best", columnspacing=1.0, handlelength=1.0)
+    axes.set_title("validation error, (CFD - model)/CFD [%]")
+    axes.margins(y=0.2)
+    axes.legend(ncols=2, loc="best", columnspacing=1.0, handlelength=1.0)

@@ -1,4 +1,4 @@
-"""One manoeuvre: what was asked, what came out, what was measured, what IMO allows."""
+"""What came out of a manoeuvre beside what was measured and what IMO allows, as data and text."""
 
 from __future__ import annotations
 
@@ -6,19 +6,15 @@ import dataclasses
 import math
 from typing import Any
 
-from ship_gym.config import ConfigError, check_known, check_number
-from ship_gym.manoeuvres import TurningCircle, ZigZag, imo_limits, turning_circle, zigzag
+from ship_gym.config import check_known
+from ship_gym.manoeuvres import imo_limits
 from ship_gym.reports.balance import steady_balance
+from ship_gym.reports.case import Case
 from ship_gym.reports.text import paragraph, percent, table
-from ship_gym.sea.state import load_sea
-from ship_gym.ships.particulars import Ship, Trial
-from ship_gym.simulation import self_propulsion
+from ship_gym.ships.particulars import Ship
 
-# what the user types -> the name in ship files
-MANOEUVRES = {"turning": "turning_circle", "zigzag": "zigzag"}
-_TURNING_DEG, _ZIGZAG_DEG = 35.0, 10.0  # rudder angle if none is given
-_SAME = 0.02  # speed and propeller speed of a matching trial agree within this fraction
 CONDITION = "; "  # between manoeuvre and condition in a title
+_KILO = 1e4  # N or N m from which kN or kN m are shown
 _DEG = 180.0 / math.pi
 
 # measure -> (label, unit of display, factor from the result's unit, digits)
@@ -59,35 +55,6 @@ _IMO_ZIGZAG = {
 
 
 @dataclasses.dataclass(frozen=True)
-class Case:
-    """A manoeuvre that has been sailed.
-
-    Attributes
-    ----------
-    manoeuvre : str
-        ``"turning_circle"`` or ``"zigzag"``.
-    delta, psi : float
-        Rudder angle and heading of the reversals (0 in a turning circle) [rad].
-    speed, n : float
-        Approach speed [m/s] and propeller speed [rev/s].
-    sea : str
-        Name of the sea.
-    trial : Trial or None
-        Measured manoeuvre with the same rudder, heading and speed.
-    """
-
-    ship: Ship
-    manoeuvre: str
-    delta: float
-    psi: float
-    speed: float
-    n: float
-    sea: str
-    result: TurningCircle | ZigZag
-    trial: Trial | None
-
-
-@dataclasses.dataclass(frozen=True)
 class Row:
     """One measure in the unit of display; `limit` is IMO's, if there is one."""
 
@@ -105,108 +72,6 @@ class Row:
     def passes(self) -> bool:
         """Whether the computed value is within IMO's limit."""
         return self.limit is None or self.computed <= self.limit
-
-
-def sail(
-    ship: Ship,
-    manoeuvre: str = "turning",
-    *,
-    delta_deg: float | None = None,
-    psi_deg: float | None = None,
-    speed: float | None = None,
-    n: float | None = None,
-    sea: str = "calm",
-) -> Case:
-    """Sail a manoeuvre given in degrees, beside the trial it belongs to.
-
-    Parameters
-    ----------
-    ship : Ship
-    manoeuvre : str
-        ``"turning"`` or ``"zigzag"``.
-    delta_deg, psi_deg : float, optional
-        Rudder angle and heading of the reversals [deg], positive to starboard. Turning circle:
-        35; zig-zag: 10, and each is the other if only one is given.
-    speed : float, optional
-        Approach speed [m/s]; the ship's nominal speed if omitted.
-    n : float, optional
-        Propeller speed [rev/s]; that of the matching trial, else self-propulsion, if omitted.
-    sea : str
-        Named sea.
-
-    Raises
-    ------
-    ConfigError
-        Unknown manoeuvre or sea, or a value out of range.
-    """
-    kind = MANOEUVRES[check_known("manoeuvre", manoeuvre, MANOEUVRES)]
-    delta, psi = _angles(ship, kind, delta_deg, psi_deg)
-    speed = check_number("speed", ship.speed if speed is None else speed, 1e-6, 100.0, "m/s")
-    trial = _matching_trial(ship, kind, delta, psi, speed, n) if sea == "calm" else None
-    if n is None:
-        n = self_propulsion(ship, speed) if trial is None or trial.n is None else trial.n
-    if kind == "turning_circle":
-        result = turning_circle(ship, delta, speed, n, load_sea(sea))
-    else:
-        result = zigzag(ship, delta, psi, speed, n, load_sea(sea))
-    return Case(ship, kind, delta, psi, speed, n, sea, result, trial)
-
-
-def sail_trials(ship: Ship) -> list[Case]:
-    """Sail every trial of a ship file.
-
-    Raises
-    ------
-    ConfigError
-        The ship has none.
-    """
-    if not ship.trials:
-        raise ConfigError(f"{ship.name}: its ship file has no trial to compare with")
-    names = {kind: name for name, kind in MANOEUVRES.items()}
-    cases = []
-    for t in ship.trials:
-        check_known(f"manoeuvre in a trial of {ship.name}", t.manoeuvre, names)
-        case = sail(
-            ship,
-            names[t.manoeuvre],
-            delta_deg=t.delta_deg,
-            psi_deg=t.psi_deg or None,
-            speed=t.speed,
-            n=t.n,
-        )
-        cases.append(dataclasses.replace(case, trial=t))
-    return cases
-
-
-def _angles(ship: Ship, kind: str, delta_deg: float | None, psi_deg: float | None):
-    """Checked rudder angle and heading [rad] from degrees."""
-    limit = math.degrees(ship.gear.delta_max) * (1.0 + 1e-12)
-    if kind == "turning_circle":
-        if psi_deg is not None:
-            raise ConfigError("psi: a turning circle has no heading to reverse at")
-        delta_deg, psi_deg = _TURNING_DEG if delta_deg is None else delta_deg, 0.0
-    else:
-        given = [angle for angle in (delta_deg, psi_deg, _ZIGZAG_DEG) if angle is not None]
-        delta_deg = given[0]
-        psi_deg = given[0] if psi_deg is None else psi_deg
-    check_number("delta", delta_deg, -limit, limit, "deg")
-    check_number("psi", psi_deg, -90.0, 90.0, "deg")
-    # degrees of the limit itself must not fail on the last bit
-    delta = min(max(math.radians(delta_deg), -ship.gear.delta_max), ship.gear.delta_max)
-    return delta, math.radians(psi_deg)
-
-
-def _matching_trial(
-    ship: Ship, kind: str, delta: float, psi: float, speed: float, n: float | None
-) -> Trial | None:
-    """First trial with this manoeuvre, these angles and this speed and propeller speed."""
-    for t in ship.trials:
-        same = t.manoeuvre == kind and abs(t.delta_deg - math.degrees(delta)) < 0.01
-        same = same and abs(t.psi_deg - math.degrees(psi)) < 0.01
-        same = same and abs(t.speed - speed) <= _SAME * t.speed
-        if same and (n is None or t.n is None or abs(t.n - n) <= _SAME * t.n):
-            return t
-    return None
 
 
 def rows(case: Case) -> list[Row]:
@@ -287,9 +152,7 @@ def as_dict(case: Case) -> dict[str, Any]:
         "measures": {r.name: r.computed if math.isfinite(r.computed) else None for r in found},
         "measured": {r.name: r.measured for r in found if r.measured is not None},
         "difference_percent": {r.name: r.difference for r in found if r.measured is not None},
-        "imo": {
-            r.name: {"limit": r.limit, "pass": r.passes} for r in found if r.limit is not None
-        },
+        "imo": {r.name: {"limit": r.limit, "pass": r.passes} for r in found if r.limit is not None},
         "trial_source": case.trial.source if case.trial else None,
         "estimated": case.ship.estimated,
     }
@@ -312,10 +175,8 @@ def as_text(case: Case) -> str:
 def _measure_table(found: list[Row]) -> str:
     cells = []
     for row in found:
-        label, unit, _, digits = _QUANTITIES[row.name]
-        measured = "" if row.measured is None else f"{row.measured:.{digits}f}"
-        computed = f"{row.computed:.{digits}f}"
-        cells.append([label, f"[{unit}]", computed, measured, percent(row.difference)])
+        unit, computed, measured = _shown(row, row.measured)
+        cells.append([_QUANTITIES[row.name][0], unit, computed, measured, percent(row.difference)])
     return table(["measure", "unit", "computed", "measured", "difference"], cells, left=2)
 
 
@@ -325,19 +186,30 @@ def _imo_table(found: list[Row]) -> str:
         return "IMO MSC.137(76) has no limit for this manoeuvre"
     cells = []
     for row in judged:
-        label, unit, _, digits = _QUANTITIES[row.name]
         verdict = "pass" if row.passes else "FAIL"
-        numbers = [f"{row.computed:.{digits}f}", f"{row.limit:.{digits}f}", verdict]
-        cells.append([label, f"[{unit}]", *numbers])
+        cells.append([_QUANTITIES[row.name][0], *_shown(row, row.limit), verdict])
     return table(["IMO MSC.137(76)", "unit", "computed", "at most", ""], cells, left=2)
 
 
+def _shown(row: Row, other: float | None) -> tuple[str, str, str]:
+    """Unit, computed value and the one to compare with; large forces in kN."""
+    _, unit, _, digits = _QUANTITIES[row.name]
+    factor = 1.0
+    if unit.startswith("N") and abs(row.computed) >= _KILO:
+        unit, factor, digits = f"k{unit}", 1e-3, 1
+    text = "" if other is None else f"{other * factor:.{digits}f}"
+    return f"[{unit}]", f"{row.computed * factor:.{digits}f}", text
+
+
 def _balance_table(case: Case) -> str:
+    balance = steady_balance(case.ship, case.result.trajectory)
+    largest = max(abs(value) for values in balance.values() for value in values)
+    prefix, factor, digits = ("k", 1e-3, 1) if largest >= _KILO else ("", 1.0, 3)
     cells = [
-        [name, *(f"{value:.4g}" for value in values)]
-        for name, values in steady_balance(case.ship, case.result.trajectory).items()
+        [name, *(f"{round(factor * value, digits) + 0.0:.{digits}f}" for value in values)]
+        for name, values in balance.items()
     ]
-    return table(["", "X [N]", "Y [N]", "N [N m]"], cells)
+    return table(["", f"X [{prefix}N]", f"Y [{prefix}N]", f"N [{prefix}N m]"], cells)
 
 
 def estimates(ship: Ship) -> str:
@@ -347,4 +219,28 @@ def estimates(ship: Ship) -> str:
     return paragraph(
         f"estimated for this ship: {', '.join(sorted(ship.estimated))} "
         "(reasons: ship_gym.load_ship(...).describe())"
+    )
+
+
+def all_as_text(cases: list[Case], files: list[list[str]]) -> str:
+    """Reports of several cases, where each was written, and what to do next."""
+    parts = [
+        f"{as_text(case)}\nwrote {', '.join(written)}"
+        for case, written in zip(cases, files, strict=True)
+    ]
+    return "\n\n".join([*parts, estimates(cases[0].ship) + "\n" + _what_next(cases)])
+
+
+def _what_next(cases: list[Case]) -> str:
+    name, delta = cases[0].ship.name, math.degrees(cases[0].delta)
+    if len(cases) > 1:
+        return (
+            f"next: python scripts/simulate.py turning --ship {name} --variant ... --surrogate ..."
+        )
+    what, other = ("turning", "zigzag")
+    if cases[0].manoeuvre == "zigzag":
+        what, other = other, what
+    return (
+        f"next: python scripts/simulate.py {what} --ship {name} --delta {-delta:.3g}"
+        f"   # the other side\n      python scripts/simulate.py {other} --ship {name}"
     )

@@ -46,8 +46,9 @@ _SECTIONS = {
     "gear": SteeringGear,
     "engine": Engine,
 }
-_NEEDED = ("title", "status", "source", "scale", "rho", "nu", "speed", "open_water", *_SECTIONS)
+_NEEDED = ("title", "status", "source", "full_length", "rho", "nu", "speed", "open_water", *_SECTIONS)
 _TOP = (*_NEEDED, "surrogate", "trial")
+_TOP_UNITS = (("full_length", "m"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", "m/s"))
 _NUMBER_KEYS = ("value", "unit", "source", "estimated")
 
 
@@ -141,7 +142,7 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
     }
     top = {
         key: reader.number(key, unit, data[key], length, data["source"])
-        for key, unit in (("scale", "-"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", "m/s"))
+        for key, unit in _TOP_UNITS
     }
     trials = tuple(build(Trial, trial, f"{path}: trial") for trial in data.get("trial", []))
     return Ship(

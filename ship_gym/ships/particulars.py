@@ -167,8 +167,8 @@ class Ship:
 
     Attributes
     ----------
-    scale : float
-        Length of the full-scale ship divided by this one's (1 for full scale).
+    full_length : float
+        Length of the full-scale ship [m]; this one's own if it is no model.
     rho, nu : float
         Water density [kg/m3] and kinematic viscosity [m2/s].
     speed : float
@@ -186,7 +186,7 @@ class Ship:
     name: str
     title: str
     status: str
-    scale: float
+    full_length: float
     rho: float
     nu: float
     speed: float
@@ -215,6 +215,11 @@ class Ship:
         added = 0.5 * self.rho * h.L**2 * h.d
         I_r = m * (h.k_zz**2 + h.x_G**2) + h.J_z * added * h.L**2
         return Inertia(m + h.m_x * added, m + h.m_y * added, m * h.x_G, I_r)
+
+    @property
+    def scale(self) -> float:
+        """Length of the full-scale ship divided by this one's, 1 for full scale."""
+        return self.full_length / self.hull.L
 
     @property
     def time_unit(self) -> float:

@@ -23,6 +23,13 @@ _POWERS = {
     "rev/s2": -1.0,
     "N m": 4.0,
 }
+# measures of a trial in N or N m -> power of the length ratio; the others are in L or ratios
+_MEASURE_POWERS = {
+    "steady_thrust": 3.0,
+    "rudder_normal_force": 3.0,
+    "movable_normal_force": 3.0,
+    "steady_torque": 4.0,
+}
 
 
 def ittc57(reynolds: float) -> float:
@@ -66,24 +73,27 @@ def scaled(
         False keeps R0' (a self-propelled model without towing force).
     """
     ratio = check_number("length", length, 0.1, 1000.0, "m") / ship.hull.L
-    hull = scaled_section(ship.hull, ratio)
+    hull = dataclasses.replace(scaled_section(ship.hull, ratio), L=float(length))
     speed = ship.speed * math.sqrt(ratio)
-    scale = ship.scale / ratio
     if friction_correction:
         old = ittc57(ship.speed * ship.hull.L / ship.nu)
         new = ittc57(speed * hull.L / nu)
-        allowance = hull.C_A if abs(scale - 1.0) < 1e-6 else 0.0
+        allowance = hull.C_A if hull.L == ship.full_length else 0.0
         change = (hull.form_factor * (old - new) - allowance) * hull.S / (hull.L * hull.d)
         hull = dataclasses.replace(hull, R_0=hull.R_0 - change)
     root = math.sqrt(ratio)
     trials = tuple(
-        dataclasses.replace(t, speed=t.speed * root, n=None if t.n is None else t.n / root)
+        dataclasses.replace(
+            t,
+            speed=t.speed * root,
+            n=None if t.n is None else t.n / root,
+            measures=_scaled_measures(t.measures, ratio, rho / ship.rho),
+        )
         for t in ship.trials
     )
     return dataclasses.replace(
         ship,
         name=name or f"{ship.name} at {length:g} m",
-        scale=scale,
         rho=rho,
         nu=nu,
         speed=speed,
@@ -95,6 +105,16 @@ def scaled(
         surrogate=_scaled_surrogate(ship.surrogate, ratio),
         trials=trials,
     )
+
+
+def _scaled_measures(measures: dict, ratio: float, density_ratio: float) -> dict:
+    """Measured forces and moments at the new scale; ratios, angles and lengths in L stay."""
+    return {
+        name: value * ratio ** _MEASURE_POWERS[name] * density_ratio
+        if name in _MEASURE_POWERS
+        else value
+        for name, value in measures.items()
+    }
 
 
 def _scaled_surrogate(table, ratio: float):

@@ -74,9 +74,9 @@ def test_fourth_order_in_time():
         return sim.state[0, :6]
 
     exact = end(2048)
-    errors = [np.abs(end(steps) - exact).max() for steps in (8, 16, 32, 64)]
+    errors = [np.abs(end(steps) - exact).max() for steps in (16, 32, 64, 128)]
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
-    assert (orders > 3.8).all() and (orders < 4.5).all(), (errors, orders)
+    assert (orders > 3.9).all() and (orders < 4.3).all(), (errors, orders)
 
 
 @pytest.mark.parametrize("name", available_ships())
@@ -201,4 +201,4 @@ def test_a_ship_left_alone_comes_to_rest(name):
         assert (now < before).all(), k
         before = now
     # 600 steps are 20 ship lengths at the nominal speed; coasting decays as slowly as 1 / t
-    assert (before < 0.3 * start).all()
+    assert (before < 0.5 * start).all()

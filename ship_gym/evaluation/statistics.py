@@ -1,0 +1,181 @@
+"""Statistics over episodes: interquartile means, bootstrap intervals, paired differences, tables."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from ship_gym.config import ConfigError, check_known
+from ship_gym.evaluation.metrics import METRICS, metrics
+from ship_gym.evaluation.rollout import Rollout
+
+CONFIDENCE = 0.95
+_RESAMPLES = 5000
+_SEED = 0  # of the bootstrap, so that a report can be made again
+_RATES = ("success",)  # 0 or 1 per episode: their mean is the rate, a trimmed mean says nothing
+
+
+@dataclasses.dataclass(frozen=True)
+class Estimate:
+    """A statistic and its 95 % bootstrap interval; None without an interval (one episode)."""
+
+    value: float
+    low: float | None
+    high: float | None
+
+
+def interquartile_mean(values: np.ndarray, axis: int = -1) -> np.ndarray:
+    """Mean without the lowest and the highest quarter of the values (of n, n // 4 each)."""
+    return stats.trim_mean(values, 0.25, axis=axis)
+
+
+def estimate(
+    values: Sequence[float] | np.ndarray, statistic: Callable = interquartile_mean
+) -> Estimate:
+    """A statistic with its 95 % interval: percentile bootstrap over episodes, seeded.
+
+    Parameters
+    ----------
+    values : array_like
+        One per episode, shape (n,).
+    statistic : callable
+        ``statistic(values, axis)``.
+    """
+    values = np.asarray(values, dtype=np.float64)
+    value = float(statistic(values, axis=-1))
+    if len(values) < 2:
+        return Estimate(value, None, None)
+    if np.ptp(values) == 0.0:
+        return Estimate(value, value, value)
+    interval = stats.bootstrap(
+        (values,),
+        statistic,
+        n_resamples=_RESAMPLES,
+        confidence_level=CONFIDENCE,
+        method="percentile",
+        vectorized=True,
+        rng=np.random.default_rng(_SEED),
+    ).confidence_interval
+    return Estimate(value, float(interval.low), float(interval.high))
+
+
+def per_episode(rollout: Rollout) -> dict[str, list[float]]:
+    """Metrics of every episode, one list of length n for each name."""
+    rows = [metrics(rollout.trajectory(i)) for i in range(len(rollout))]
+    return {name: [row[name] for row in rows] for name in METRICS}
+
+
+def compare(rollouts: Sequence[Rollout], reference: str | None = None) -> dict[str, Any]:
+    """Controllers side by side on the same episodes.
+
+    Parameters
+    ----------
+    rollouts : sequence of Rollout
+        Of the same scenario, ship and seeds.
+    reference : str, optional
+        Controller that the paired differences are taken from; the first one if omitted.
+
+    Returns
+    -------
+    dict
+        Plain values for JSON: ``scenario`` (config), ``ship``, ``seeds``, ``reference``,
+        ``metrics`` (unit, meaning, better), ``controllers`` (name -> metric -> value, low, high),
+        ``differences`` (the same for controller - reference, seed by seed), ``episodes`` (name ->
+        metric -> one value per seed) and versions.
+
+    Raises
+    ------
+    ConfigError
+        Nothing to compare, or rollouts that cannot be compared.
+    """
+    _check_comparable(rollouts)
+    names = [r.controller for r in rollouts]
+    reference = names[0] if reference is None else check_known("controller", reference, names)
+    episodes = {r.controller: per_episode(r) for r in rollouts}
+    first = rollouts[0]
+    return {
+        "scenario": first.scenario.to_dict(),
+        "ship": first.ship.name,
+        "seeds": list(first.seeds),
+        "confidence": CONFIDENCE,
+        "reference": reference,
+        "metrics": {name: metric._asdict() for name, metric in METRICS.items()},
+        "controllers": {name: _estimates(values) for name, values in episodes.items()},
+        "differences": {
+            name: _estimates(_minus(values, episodes[reference]))
+            for name, values in episodes.items()
+            if name != reference
+        },
+        "episodes": episodes,
+        **first.provenance,
+    }
+
+
+def _check_comparable(rollouts: Sequence[Rollout]) -> None:
+    if not rollouts:
+        raise ConfigError("no rollouts to compare")
+    names = [r.controller for r in rollouts]
+    if len(set(names)) < len(names):
+        raise ConfigError(f"controllers {names}: each needs its own name")
+    first = rollouts[0]
+    for other in rollouts[1:]:
+        same = other.seeds == first.seeds and other.scenario == first.scenario
+        if not (same and other.ship.name == first.ship.name):
+            raise ConfigError(
+                f"{other.controller} and {first.controller} sailed different seeds, scenarios or "
+                "ships: no paired comparison"
+            )
+
+
+def _minus(values: Mapping[str, list[float]], other: Mapping[str, list[float]]):
+    return {k: np.subtract(values[k], other[k]).tolist() for k in values}
+
+
+def _estimates(values: Mapping[str, Sequence[float]]) -> dict[str, dict[str, float | None]]:
+    return {
+        name: dataclasses.asdict(
+            estimate(column, np.mean if name in _RATES else interquartile_mean)
+        )
+        for name, column in values.items()
+    }
+
+
+def table(comparison: Mapping[str, Any], markdown: bool = False) -> str:
+    """A comparison as text: a row for each metric, a column for each controller and difference.
+
+    Parameters
+    ----------
+    comparison : mapping
+        From `compare`, or read back from its JSON file.
+    markdown : bool
+        With column rules for a README, else aligned plain text.
+    """
+    reference = comparison["reference"]
+    columns = dict(comparison["controllers"])
+    columns.update({f"{k} - {reference}": v for k, v in comparison["differences"].items()})
+    rows = [["metric", "unit", "better", *columns]]
+    for name, metric in comparison["metrics"].items():
+        cells = [_cell(column[name]) for column in columns.values()]
+        rows.append([name, metric["unit"], metric["better"], *cells])
+    return aligned(rows, markdown)
+
+
+def aligned(rows: Sequence[Sequence[str]], markdown: bool = False) -> str:
+    """Rows of text, the first one the heading, as aligned columns."""
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    padded = [[cell.ljust(w) for cell, w in zip(row, widths, strict=True)] for row in rows]
+    rule = ["-" * w for w in widths]
+    if markdown:
+        return "\n".join("| " + " | ".join(row) + " |" for row in [padded[0], rule, *padded[1:]])
+    return "\n".join("  ".join(row).rstrip() for row in [padded[0], rule, *padded[1:]])
+
+
+def _cell(found: Mapping[str, float | None]) -> str:
+    text = f"{found['value']:.4g}"
+    if found["low"] is None:
+        return text
+    return f"{text} [{found['low']:.4g}, {found['high']:.4g}]"

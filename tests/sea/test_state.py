@@ -1,0 +1,61 @@
+import numpy as np
+import pytest
+
+from ship_gym.physics.disturbance import disturbance_forces, set_phases
+from ship_gym.sea.state import (
+    N_PHASES,
+    SEA_DTYPE,
+    Sea,
+    disturbance_harmonics,
+    disturbance_spectrum,
+    sea_records,
+)
+from ship_gym.ships import load_ship
+
+
+def test_spectrum_has_unit_variance():
+    omega = np.linspace(0.0, 2000.0, 2_000_001)
+    assert np.trapezoid(disturbance_spectrum(omega, 3.0), omega) == pytest.approx(1.0, abs=2e-4)
+
+
+def test_harmonics_have_unit_variance_and_the_spectrum_s_shape():
+    omega, amplitude = disturbance_harmonics(60.0)
+    assert 0.5 * (amplitude**2).sum() == pytest.approx(1.0)
+    ratio = amplitude**2 / disturbance_spectrum(omega, 60.0)
+    np.testing.assert_allclose(ratio, ratio[0])
+    assert 2.0 * np.pi / omega[0] > 900.0  # longer than an episode of 600 s
+
+
+def records(count, seed=0):
+    ship = load_ship("kcs")
+    made = sea_records([ship] * count, Sea(sway_disturbance=0.01, yaw_disturbance=0.002))
+    set_phases(made, np.random.default_rng(seed).random((count, N_PHASES)))
+    return ship, made
+
+
+def test_disturbance_has_the_stated_standard_deviation():
+    ship, made = records(4)
+    period = 2.0 * np.pi / made[0]["omega_1"]
+    force = 0.5 * ship.rho * ship.hull.L * ship.hull.d * ship.speed**2
+    for sea in made:
+        F = np.array([disturbance_forces(t, sea) for t in np.linspace(0, period, 2001)[:-1]])
+        np.testing.assert_allclose(F.mean(axis=0), 0.0, atol=1e-6 * force * ship.hull.L)
+        assert F[:, 0].std() == pytest.approx(0.01 * force, rel=1e-6)
+        assert F[:, 1].std() == pytest.approx(0.002 * force * ship.hull.L, rel=1e-6)
+
+
+def test_disturbance_is_the_sum_of_cosines():
+    _, made = records(1, seed=3)
+    phases = 2.0 * np.pi * np.random.default_rng(3).random((1, N_PHASES))[0]
+    sea, k = made[0], np.arange(1, 17)
+    for t in (0.0, 12.3, 456.7):
+        angle = k * sea["omega_1"] * t
+        Y = sea["Y_std"] * (sea["amplitude"] * np.cos(angle + phases[:16])).sum()
+        N = sea["N_std"] * (sea["amplitude"] * np.cos(angle + phases[16:])).sum()
+        np.testing.assert_allclose(disturbance_forces(t, sea), (Y, N), rtol=1e-10)
+
+
+def test_calm_costs_and_does_nothing():
+    made = sea_records([load_ship("kcs")])
+    assert made.dtype == SEA_DTYPE and made[0]["disturbed"] == 0
+    assert disturbance_forces(3.0, made[0]) == (0.0, 0.0)
