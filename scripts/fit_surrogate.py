@@ -16,10 +16,10 @@ from ship_gym.surrogates.fit import KCS_SAMPLES, TRAINING, VALIDATION, fit_kcs, 
 PRINTED_ERRORS = Path(__file__).parents[1] / "tests" / "data" / "kcs_regression_error.csv"
 SHIPPED_FOLDER = DATA / "kcs_model"
 EXAMPLES = (
-    "python scripts/fit_surrogate.py                             # the default of kcs_model, G2 SA",
+    "python scripts/fit_surrogate.py                  # G2_SA, the default of kcs_model",
     "python scripts/fit_surrogate.py --grid G3 --plot runs/G3.png",
-    "python scripts/fit_surrogate.py --samples my.csv            # columns as in our csv, see there",
-    "python scripts/fit_surrogate.py --install                   # make the shipped tables again",
+    "python scripts/fit_surrogate.py --samples my.csv # columns as in the default file",
+    "python scripts/fit_surrogate.py --install        # make the shipped tables again",
 )
 
 
@@ -53,7 +53,7 @@ def install(folder: Path) -> list[str]:
 
 def fit(args) -> tuple[dict, str]:
     """Fit, write and draw one table; return what to print as data and as text."""
-    name = f"{args.grid}_{args.turbulence}"
+    name = f"{args.grid}_{args.turbulence}" + ("" if args.order == "second" else f"_{args.order}")
     samples, out = args.samples or KCS_SAMPLES, args.out or Path("runs") / f"surrogate_{name}.npz"
     ship = load_ship("kcs_model", surrogate="none")
     choice = {"grid": args.grid, "turbulence": args.turbulence}

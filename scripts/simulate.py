@@ -7,7 +7,7 @@ from pathlib import Path
 from _cli import parser, progress, run, show
 
 from ship_gym import load_ship
-from ship_gym.config import check_known
+from ship_gym.config import ConfigError, check_known
 from ship_gym.plotting import plot_manoeuvre
 from ship_gym.reports import manoeuvre as report
 from ship_gym.reports.case import MANOEUVRES, Case, sail, sail_trial, trials
@@ -53,12 +53,21 @@ def write(case: Case, args, number: str) -> list[str]:
     return [str(path) for path in paths]
 
 
+def refuse_options(args) -> None:
+    """Trials are sailed as they were measured."""
+    given = [k for k in ("delta_deg", "psi_deg", "speed", "n") if getattr(args, k) is not None]
+    given += ["sea"] if args.sea != "calm" else []
+    if given:
+        raise ConfigError(f"{given[0]}: trials are sailed as measured; leave it out")
+
+
 def main() -> None:
     args = arguments()
     check_known("manoeuvre", args.what, [*MANOEUVRES, "trials"])
     ship = load_ship(args.ship, surrogate=args.surrogate, variant=args.variant)
     options = {k: getattr(args, k) for k in ("delta_deg", "psi_deg", "speed", "n", "sea")}
     if args.what == "trials":
+        refuse_options(args)
         jobs = [lambda t=t: sail_trial(ship, t) for t in trials(ship)]
     else:
         jobs = [lambda: sail(ship, args.what, **options)]

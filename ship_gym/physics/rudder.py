@@ -52,10 +52,16 @@ def straightening(v_geometric, side, rudder):
 
 @kernel
 def stalled(alpha, f_alpha):
-    """Beyond 35 deg of inflow angle, what replaces sin(alpha_R): down to a plate at 90 deg."""
-    plate = C_N_PLATE / f_alpha
-    a = min((abs(alpha) - STALL) / (0.5 * math.pi - STALL), 1.0)
-    return math.copysign(SIN_STALL + (plate - SIN_STALL) * a, alpha)
+    """Beyond 35 deg of inflow angle, what replaces sin(alpha_R): no kink, a plate at 90 deg.
+
+    Cubic Hermite polynomial from the sine's value and slope to the plate's value, level there.
+    """
+    width = 0.5 * math.pi - STALL
+    t = min((abs(alpha) - STALL) / width, 1.0)
+    rest = 1.0 - t
+    start = rest * rest * ((1.0 + 2.0 * t) * SIN_STALL + t * width * COS_STALL)
+    end = t * t * (3.0 - 2.0 * t) * C_N_PLATE / f_alpha
+    return math.copysign(start + end, alpha)
 
 
 @kernel

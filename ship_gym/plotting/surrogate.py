@@ -120,7 +120,7 @@ def plot_surrogate(
             figure,
             f"{ship.name}: propeller and rudder surrogate {ship.surrogate_name}",
             f"behind the hull at {angle:.0f} deg rudder, as the simulation evaluates it; black "
-            "frame: trained box; circles: training, diamonds: validation, in the colour of CFD",
+            f"frame: trained box{_legend(training, validation)}",
         )
         grid = figure.add_gridspec(2, 3, width_ratios=(1.0, 1.0, 1.05))
         for k, name in enumerate(QUANTITIES):
@@ -128,6 +128,13 @@ def plot_surrogate(
             _surface(figure, axes, ship, name, values[..., k], (training, validation))
         _side_force(figure.add_subplot(grid[0, 2]), ship)
         _held_out(figure.add_subplot(grid[1, 2]), ship)
+
+
+def _legend(training: CsvTable | None, validation: CsvTable | None) -> str:
+    """What the marks are, for those that are drawn."""
+    marks = [(training, "circles: training"), (validation, "diamonds: validation")]
+    drawn = [text for rows, text in marks if rows is not None]
+    return f"; {', '.join(drawn)} points, in the colour of CFD" if drawn else ""
 
 
 def _surface(figure: Figure, axes: Axes, ship: Ship, name: str, values, samples) -> None:
@@ -179,16 +186,6 @@ def _side_force(axes: Axes, ship: Ship) -> None:
     axes.set_title("rudder side force $F_{Ry}$ [N], to starboard")
     axes.set_xlabel("rudder angle delta [deg]")
     axes.legend(title="drift angle beta", loc="lower left", ncols=2)
-    axes.text(
-        0.98,
-        0.97,
-        "corners: stall at\n35 deg of inflow",
-        transform=axes.transAxes,
-        ha="right",
-        va="top",
-        color=FAINT,
-        fontsize=8,
-    )
 
 
 def _held_out(axes: Axes, ship: Ship) -> None:

@@ -1,0 +1,121 @@
+import importlib
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from ship_gym.config import ConfigError
+
+SCRIPTS = Path(__file__).parents[2] / "scripts"
+
+
+@pytest.fixture
+def script(monkeypatch, tmp_path, capsys):
+    """Run a script in this process, in an empty folder: exit code, stdout, stderr."""
+    monkeypatch.syspath_prepend(str(SCRIPTS))
+    monkeypatch.chdir(tmp_path)
+
+    def call(name, *args):
+        monkeypatch.setattr(sys, "argv", [f"{name}.py", *map(str, args)])
+        code = 0
+        try:
+            importlib.import_module("_cli").run(importlib.import_module(name).main)
+        except SystemExit as stop:
+            code = stop.code
+        return code, *capsys.readouterr()
+
+    yield call
+    for name in ("_cli", "evaluate", "record", "review", "tune"):
+        sys.modules.pop(name, None)
+
+
+def test_evaluate_writes_what_it_prints(script, tmp_path):
+    code, out, _ = script("evaluate", "--episodes", 3, "--out", "e/found.json")
+    assert code == 0
+    assert "constant - pid" in out and "seeds 1000000 to 1000002" in out
+    assert "wrote e/found.json" in out and "next: python scripts/record.py --controller pid" in out
+    found = json.loads((tmp_path / "e" / "found.json").read_text())
+    assert found["reference"] == "pid" and len(found["episodes"]["pid"]["J_0.1"]) == 3
+    assert found["versions"] and found["scenario"]["ship"] == "kcs"
+
+
+def test_evaluate_json(script):
+    code, out, _ = script("evaluate", "--controllers", "constant", "--episodes", 1, "--json")
+    found = json.loads(out)
+    assert code == 0 and found["file"] == "runs/evaluation.json"
+    assert list(found["controllers"]) == ["constant"] and found["differences"] == {}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["evaluate", "--controllers", "pit"], "did you mean 'pid'"),
+        (["evaluate", "--ship", "kcz"], "did you mean 'kcs'"),
+        (["evaluate", "--control", "ruder"], "did you mean 'rudder'"),
+        (["evaluate", "--episodes", "0"], "episodes = 0"),
+        (["evaluate", "--policy", "runs/nowhere"], "scripts/train.py"),
+        (["record", "--controller", "pit"], "did you mean 'pid'"),
+        (["record", "--seed", "-1"], "seeds = [-1]"),
+        (["review", "nowhere.rrd"], "nowhere.rrd"),
+        (["tune", "--ship", "kcz"], "did you mean 'kcs'"),
+        (["tune", "--episodes", "0"], "episodes = 0"),
+    ],
+)
+def test_errors_are_one_line_and_leave_nothing(script, tmp_path, arguments, message):
+    if arguments[0] in ("record", "review"):
+        pytest.importorskip("rerun")
+    code, out, err = script(*arguments)
+    assert (code, out) == (2, "")
+    assert message in err and err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["evaluate", "record", "review", "tune"])
+def test_help_has_two_examples(script, name):
+    code, out, _ = script(name, "--help")
+    assert code == 0
+    assert out.split("examples:")[1].count(f"python scripts/{name}.py") == 2
+    assert "--json" in out
+
+
+def test_record_and_review(script, tmp_path):
+    pytest.importorskip("rerun")
+    code, out, _ = script("record", "--controller", "constant", "--seed", 1000001, "--json")
+    recorded = json.loads(out)
+    assert code == 0 and Path(recorded["file"]) == Path("runs/rollout.rrd")
+    code, out, _ = script("review", recorded["file"], "--json")
+    reviewed = json.loads(out)[recorded["file"]]
+    assert reviewed["metrics"] == recorded["metrics"]
+    assert (reviewed["controller"], reviewed["seed"]) == ("constant", 1000001)
+    code, out, _ = script("review", recorded["file"], "--csv")
+    rows = dict(line.split(",", 1) for line in out.splitlines())
+    assert float(rows["J_1"].split(",")[1]) == recorded["metrics"]["J_1"]
+
+
+def test_review_refuses_other_files(script, tmp_path):
+    pytest.importorskip("rerun")
+    (tmp_path / "text.rrd").write_text("no recording")
+    code, _, err = script("review", "text.rrd")
+    assert code == 2 and "text.rrd" in err and err.count("\n") == 1
+
+
+def test_record_without_rerun_says_what_to_install(script, monkeypatch, tmp_path):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    code, _, err = script("record")
+    assert code == 2 and 'pip install "ship-gym[rerun]"' in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_run_lets_real_bugs_through(script):
+    cli = importlib.import_module("_cli")
+    with pytest.raises(ZeroDivisionError):
+        cli.run(lambda: 1 / 0)
+    for error in (ConfigError("a\nb"), ImportError("c"), KeyboardInterrupt(), OSError("d")):
+
+        def fail(error=error):
+            raise error
+
+        with pytest.raises(SystemExit) as stop:
+            cli.run(fail)
+        assert stop.value.code == 2

@@ -1,0 +1,181 @@
+"""The scripts simulate, fit_surrogate and benchmark_speed: what they print, write and refuse."""
+
+from __future__ import annotations
+
+import json
+import runpy
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ship_gym.ships.loader import DATA, attach_surrogate, load_ship
+from ship_gym.tables import Table
+
+SCRIPTS = Path(__file__).parents[2] / "scripts"
+PNG = b"\x89PNG"
+
+
+@pytest.fixture
+def call(monkeypatch, tmp_path, capsys):
+    """Run a script in this process, in an empty folder; gives exit code, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(SCRIPTS))
+
+    def run(script: str, *arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", [script, *arguments])
+        code = 0
+        try:
+            runpy.run_path(str(SCRIPTS / script), run_name="__main__")
+        except SystemExit as end:
+            code = end.code or 0
+        return code, *capsys.readouterr()
+
+    return run
+
+
+@pytest.mark.parametrize("script", ["simulate.py", "fit_surrogate.py", "benchmark_speed.py"])
+def test_help_shows_examples(call, script):
+    code, out, _ = call(script, "--help")
+    assert code == 0
+    assert f"python scripts/{script}" in out
+
+
+def test_simulate_sails_the_trial_without_arguments(call):
+    code, out, _ = call("simulate.py")
+    assert code == 0
+    assert Path("runs/turning_circle.png").read_bytes()[:4] == PNG
+    words = {
+        line.rsplit("[", 1)[0].strip(): line.split("]")[-1].split() for line in out.split("\n")
+    }
+    assert words["maximum transfer"] == ["3.14", "3.22", "-2.5", "%"]
+    assert words["steady diameter"] == ["2.66", "2.60", "+2.4", "%"]
+    assert words["tactical diameter"][:1] in (["3.09"], ["pass"])
+    assert "10.2 rev/s" in out
+    assert "engine.n_max" in out  # estimated
+    assert "next: python scripts/simulate.py" in out
+
+
+def test_simulate_json_csv_and_recording(call):
+    code, out, _ = call(
+        "simulate.py", "zigzag", "--ship", "kvlcc2_model", "--delta", "-20", "--json",
+        "--csv", "z.csv", "--rrd", "z.rrd", "--out", "z.png",
+    )  # fmt: skip
+    data = json.loads(out)
+    assert code == 0
+    assert data["psi_deg"] == pytest.approx(-20.0)
+    assert data["measured"] == {"overshoot_1": 15.1, "overshoot_2": 13.2}
+    assert data["imo"]["overshoot_1"] == {"limit": pytest.approx(25.0), "pass": True}
+    assert data["files"] == ["z.png", "z.csv", "z.rrd"]
+    assert all(Path(path).stat().st_size > 10_000 for path in data["files"])
+
+
+def test_simulate_all_trials(call):
+    code, out, _ = call("simulate.py", "trials", "--json", "--out", "t.png")
+    trials = json.loads(out)["trials"]
+    assert code == 0
+    assert [t["delta_deg"] for t in trials] == [35.0, -35.0]
+    assert all(t["trial_source"] and t["difference_percent"] for t in trials)
+    assert [t["files"] for t in trials] == [["t_1.png"], ["t_2.png"]]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--delta", "350"), ("delta", "350", "-35 to 35", "deg")),
+        (("turnign",), ("manoeuvre", "turning")),
+        (("--ship", "kcs_modl"), ("ship", "kcs_model")),
+        (("--surrogate", "G9"), ("surrogate", "G2_SA")),
+        (("--variant", "hull_b"), ("variant", "hull_a")),
+        (("--sea", "stormy"), ("sea", "calm")),
+        (("--speed", "-1"), ("speed", "m/s")),
+        (("--n", "99"), ("n = 99", "rev/s")),
+        (("--psi", "10"), ("psi",)),
+        (("trials", "--delta", "20"), ("trials", "delta")),
+    ],
+)
+def test_simulate_refuses_in_one_line(call, arguments, words):
+    code, out, err = call("simulate.py", *arguments)
+    assert code == 2
+    assert out == ""
+    assert len(err.strip().splitlines()) == 1
+    assert all(word in err for word in words), err
+    assert not Path("runs").exists()
+
+
+def test_fit_surrogate_writes_a_table_that_attaches(call):
+    code, out, _ = call("fit_surrogate.py", "--plot", "s.png")
+    assert code == 0
+    assert Path("s.png").read_bytes()[:4] == PNG
+    assert "attach_surrogate" in out
+    assert "printed" in out
+    table = Table.load("runs/surrogate_G2_SA.npz")
+    ship = attach_surrogate(load_ship("kcs_model"), table, "G2_SA")
+    assert ship.rudder == load_ship("kcs_model").rudder
+
+
+def test_fit_surrogate_json(call):
+    code, out, _ = call("fit_surrogate.py", "--json", "--order", "first", "--out", "f.npz")
+    data = json.loads(out)
+    assert code == 0
+    assert data["files"] == ["f.npz"]
+    assert len(data["coefficients"]["K_T"]) == 4
+    assert data["printed_coefficients"] == {}  # the thesis prints the second order only
+
+
+def test_install_gives_the_shipped_tables_back(call):
+    code, _, _ = call("fit_surrogate.py", "--install", "tables")
+    shipped = sorted((DATA / "kcs_model").glob("surrogate_*.npz"))
+    assert code == 0
+    assert sorted(path.name for path in Path("tables").iterdir()) == [p.name for p in shipped]
+    for path in shipped:
+        again = Table.load(Path("tables") / path.name)
+        np.testing.assert_allclose(again.values, Table.load(path).values, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--grid", "G9"), ("grid", "G9", "G3")),
+        (("--turbulence", "SSA"), ("turbulence", "SA")),
+        (("--order", "third"), ("order", "second")),
+        (("--samples", "none.csv"), ("none.csv", "no such file")),
+    ],
+)
+def test_fit_surrogate_refuses_in_one_line(call, arguments, words):
+    code, out, err = call("fit_surrogate.py", *arguments)
+    assert code == 2
+    assert out == ""
+    assert len(err.strip().splitlines()) == 1
+    assert all(word in err for word in words), err
+
+
+def test_benchmark_text_and_json(call, monkeypatch):
+    from ship_gym.reports import speed
+
+    every = list(speed.jobs((1,)))
+    monkeypatch.setattr(speed, "jobs", lambda: every)
+    monkeypatch.setattr(speed, "measure", lambda job, r, s: {**NUMBERS, "name": job[0]})
+    monkeypatch.setattr(speed, "start_times", lambda cold: {"import": 0.2})
+    code, out, _ = call("benchmark_speed.py", "--quick", "--json")
+    data = json.loads(out)
+    assert code == 0
+    assert len(data["steps"]) == len(every)
+    assert data["machine"]["cores"] >= 1
+    code, out, _ = call("benchmark_speed.py", "--quick")
+    assert "ShipVectorEnv.step, serial" in out
+    assert "1,000" in out
+
+
+NUMBERS = {"n": 1, "seconds": 1e-3, "spread_percent": 3.0, "steps_per_second": 1000.0}
+
+
+def test_measured_speed_is_of_the_right_size():
+    from ship_gym.reports import speed
+
+    serial = next(job for job in speed.jobs((64,)) if job[0] == "ShipVectorEnv.step, serial")
+    found = speed.measure(serial, repeats=1, seconds=0.01)
+    assert found["n"] == 64
+    assert found["steps_per_second"] > 1000.0
+    assert found["steps_per_second"] == pytest.approx(64 / found["seconds"])

@@ -1,0 +1,90 @@
+"""Reports: the balance closes, trials are matched as they should be, forces are scaled."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from ship_gym.config import ConfigError
+from ship_gym.reports import manoeuvre as report
+from ship_gym.reports.balance import last_turn, steady_balance, surge_balance
+from ship_gym.reports.case import sail, sail_trial, trials
+from ship_gym.reports.surrogate import printed_errors
+from ship_gym.reports.text import table
+from ship_gym.ships.loader import load_ship
+
+
+@pytest.fixture(scope="module")
+def circle():
+    return sail(load_ship("kcs_model"))
+
+
+def test_steady_forces_and_inertia_cancel(circle):
+    balance = steady_balance(circle.ship, circle.result.trajectory)
+    scale = np.abs(list(balance.values())).max(axis=0)
+    assert np.abs(balance["sum"]) == pytest.approx(0.0, abs=1e-5 * scale.max())
+    terms = surge_balance(circle.ship, circle.result.trajectory)
+    assert sum(terms.values()) == pytest.approx(0.0, abs=1e-4)
+    hull = sum(terms[k] for k in ("R_0", "X_vv", "X_vr", "X_rr", "X_vvvv"))
+    assert hull == pytest.approx(last_turn(circle.result.trajectory)["X_hull"], rel=1e-6)
+
+
+def test_matching_trial_decides_the_propeller_speed(circle):
+    assert circle.n == 10.2
+    assert circle.trial is circle.ship.trials[0]
+    assert sail(circle.ship, n=10.3).trial is circle.trial
+    assert sail(circle.ship, n=11.0).trial is None  # another propeller speed
+    assert sail(circle.ship, speed=0.9).trial is None
+    assert sail(circle.ship, delta_deg=34.0).trial is None
+    assert sail(circle.ship, sea="current").trial is None
+
+
+def test_rows_compare_with_trial_and_imo(circle):
+    found = {row.name: row for row in report.rows(circle)}
+    assert found["steady_speed_ratio"].measured == 0.477
+    assert found["steady_speed_ratio"].difference == pytest.approx(-13.3, abs=0.1)
+    assert found["advance"].limit == 4.5
+    assert found["advance"].passes
+    assert found["transfer"].limit is None
+    assert "drift_distance" not in found  # calm water
+    assert not dataclasses.replace(found["advance"], computed=4.6).passes
+
+
+def test_smaller_rudder_has_no_imo_limit():
+    case = sail(load_ship("kcs_model"), delta_deg=20.0)
+    assert "no limit" in report.as_text(case)
+
+
+def test_zigzag_angles_default_to_each_other():
+    ship = load_ship("kvlcc2_model")
+    case = sail(ship, "zigzag", psi_deg=-20.0)
+    assert (case.delta, case.psi) == (pytest.approx(np.radians(-20)), pytest.approx(case.delta))
+    assert case.trial.measures["overshoots_deg"] == [15.1, 13.2]
+    assert {r.name for r in report.rows(case) if r.limit} == {"overshoot_1"}
+
+
+def test_full_scale_forces_are_compared_at_full_scale():
+    ship = load_ship("kcs")
+    case = sail_trial(ship, trials(ship)[0])
+    rows = {row.name: row for row in report.rows(case)}
+    assert abs(rows["steady_thrust"].difference) < 10.0
+    assert "[kN]" in report.as_text(case)
+
+
+def test_ship_without_trials_and_unknown_measure_are_refused(circle):
+    ship = dataclasses.replace(circle.ship, trials=())
+    with pytest.raises(ConfigError, match="no trial"):
+        trials(ship)
+    odd = dataclasses.replace(circle.trial, measures={"max_advence": 3.0})
+    with pytest.raises(ConfigError, match="max_advance"):
+        report.rows(dataclasses.replace(circle, trial=odd))
+
+
+def test_table_aligns():
+    assert table(["a", "b"], [["x", "10"], ["long", "9"]]) == "a      b\nx     10\nlong   9"
+
+
+def test_printed_errors_are_optional(tmp_path):
+    assert printed_errors(tmp_path / "none.csv", "G2_SA", [1]) == {}
