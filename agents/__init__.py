@@ -1,1 +1,43 @@
-"""Controllers that compete on Ship Gym: classical autopilots and learned policies."""
+"""Controllers that compete on Ship Gym: classical autopilots and learned policies.
+
+A controller has a `name`, `reset` and `act`, see ``ship_gym.evaluation.controller``. `CONTROLLERS`
+names those without training; `make_controller` also loads trained policies and files of gains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from agents.pid import PID, load_gains
+from ship_gym.config import ConfigError, check_known
+from ship_gym.evaluation.controller import ConstantController, Controller
+
+CONTROLLERS: dict[str, Callable[[], Controller]] = {"constant": ConstantController, "pid": PID}
+
+
+def make_controller(name_or_path: str | Path) -> Controller:
+    """A controller by name, a trained policy from its folder or file, or a PID from its gains.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        A key of `CONTROLLERS`; the path of a ``.toml`` file of PID gains; or the folder or
+        ``.zip`` file of a policy trained by ``scripts/train.py``.
+
+    Raises
+    ------
+    ConfigError
+        Unknown name (with the nearest one), no such file, or a file that is none of these.
+    """
+    name, path = str(name_or_path), Path(name_or_path)
+    if path.suffix == ".toml":
+        return PID(load_gains(path).gains, name=path.stem)
+    if name not in CONTROLLERS and path.exists():
+        # Late: `import agents` is light, and an autopilot needs nothing of agents.sb3.
+        from agents.sb3.policy import load_policy
+
+        return load_policy(path)
+    if path.suffix or len(path.parts) > 1:
+        raise ConfigError(f"{name}: no such policy; train one with: python scripts/train.py")
+    return CONTROLLERS[check_known("controller", name, CONTROLLERS)]()

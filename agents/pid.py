@@ -15,12 +15,18 @@ from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 
 GAINS = Path(__file__).parent / "gains"
-_SIN, _COS, _RATE = 0, 1, 2  # columns of the observation, ship_gym.tasks.heading.OBSERVATIONS
+_LARGEST = 1e3
+_SIN, _COS, _RATE, _SWAY = (
+    0,
+    1,
+    2,
+    4,
+)  # columns of the observation, ship_gym.tasks.heading.OBSERVATIONS
 
 
 @dataclasses.dataclass(frozen=True)
 class Gains:
-    """Gains of the law ``delta = -(K_p e + K_d r' + K_i I)``, r' = r L / U0, time in L / U0.
+    """Gains of ``delta = -(K_p e + K_d r' + K_i I + K_v v')`` with r' = r L / U0, v' = v / U0.
 
     Numbers, or arrays of shape (count,) with own gains for each episode (tuning).
 
@@ -32,6 +38,9 @@ class Gains:
         Rudder angle by yaw rate r' [rad].
     K_i : float
         Rudder angle by the integral of the heading error over t' = t U0 / L [rad / rad].
+    K_v : float
+        Rudder angle by sway velocity through the water [rad]; 0: a plain PID. Negative: the sway
+        of a turn, which is away from it, calls for counter rudder early.
     error_limit : float
         e is the heading error limited to +- this [rad]: a large turn becomes one at constant rate.
     """
@@ -39,12 +48,14 @@ class Gains:
     K_p: float
     K_d: float
     K_i: float = 0.0
+    K_v: float = 0.0
     error_limit: float = math.pi
 
     def __post_init__(self):
         for field in dataclasses.fields(self):
+            low = -_LARGEST if field.name == "K_v" else 0.0
             for value in np.ravel(getattr(self, field.name)).tolist():
-                check_number(f"gains.{field.name}", value, 0.0, 1e3)
+                check_number(f"gains.{field.name}", value, low, _LARGEST)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -84,7 +95,7 @@ def gains_of(ship: Ship) -> Gains:
 
 
 class PID:
-    """PID on heading error and yaw rate, batch first.
+    """PID on heading error and yaw rate, with sway feedback where it is tuned; batch first.
 
     The heading error ``psi_e = psi - psi_ordered`` and ``r`` are positive to starboard, and so is
     the turn that ``delta > 0`` makes: hence the minus of the law. The integral stands still while
@@ -118,7 +129,8 @@ class PID:
         g, error = self._g, np.arctan2(seen[:, _SIN], seen[:, _COS])
         error = np.clip(error, -g.error_limit, g.error_limit)
         integral = self._integral + error * self._step
-        delta = -(g.K_p * error + g.K_d * seen[:, _RATE] + g.K_i * integral)
+        damping = g.K_d * seen[:, _RATE] + g.K_v * seen[:, _SWAY]
+        delta = -(g.K_p * error + g.K_i * integral + damping)
         winding = (np.abs(delta) > self._limit) & (delta * error < 0.0)
         self._integral = np.where(winding, self._integral, integral)
         action = self._action.copy()

@@ -184,7 +184,8 @@ class ShipSim:
             self.seas,
             self._water,
             self._deflected,
-            (self.forces, self.flow),
+            self.forces,
+            self.flow,
         )
         if alive < self.n:
             self._report_divergence()

@@ -8,7 +8,9 @@ from ship_gym import conventions as c
 def test_wrap_angle():
     assert c.wrap_angle(math.pi) == -math.pi
     assert c.wrap_angle(-math.pi) == -math.pi
-    np.testing.assert_allclose(c.wrap_angle(np.array([7.0, -7.0])), [7 - 2 * math.pi, 2 * math.pi - 7])
+    np.testing.assert_allclose(
+        c.wrap_angle(np.array([7.0, -7.0])), [7 - 2 * math.pi, 2 * math.pi - 7]
+    )
 
 
 def test_names_and_indices_agree():

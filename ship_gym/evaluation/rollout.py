@@ -135,6 +135,7 @@ def begin(
     control: str | None = None,
     surrogate: str | None = None,
     overrides: Mapping[str, Any] | None = None,
+    parallel: bool | None = None,
 ) -> EpisodeBatch:
     """A batch at the start of the episodes of `seeds`, as ``ShipEnv.reset(seed=...)`` draws them.
 
@@ -144,6 +145,8 @@ def begin(
         Shape (n,); a seed may occur more than once.
     scenario, ship, control, surrogate, overrides
         As in ``ShipEnv``.
+    parallel : bool, optional
+        As in ``ShipSim``.
 
     Raises
     ------
@@ -153,7 +156,7 @@ def begin(
     if len(seeds) == 0 or min(seeds) < 0:
         raise ConfigError(f"seeds = {list(seeds)}: at least one is needed, none negative")
     resolved, given = resolved_scenario(scenario, ship, control, surrogate, overrides)
-    batch = EpisodeBatch(len(seeds), resolved, given)
+    batch = EpisodeBatch(len(seeds), resolved, given, parallel)
     draws = [seeding.np_random(int(seed))[0].random(N_DRAWS) for seed in seeds]
     batch.start(np.arange(len(seeds)), np.stack(draws))
     return batch
@@ -168,6 +171,7 @@ def rollout(
     control: str | None = None,
     surrogate: str | None = None,
     overrides: Mapping[str, Any] | None = None,
+    parallel: bool | None = None,
     progress: Any = False,
 ) -> Rollout:
     """Sail one episode per seed under one controller.
@@ -181,6 +185,8 @@ def rollout(
         `evaluation_seeds(n)` for anything that is reported.
     scenario, ship, control, surrogate, overrides
         As in ``ShipEnv``.
+    parallel : bool, optional
+        As in ``ShipSim``.
     progress : callable or False
         Wraps the iterable of control intervals, e.g. ``tqdm.tqdm``; False: nothing is shown.
 
@@ -188,9 +194,8 @@ def rollout(
     -------
     Rollout
     """
-    batch = begin(
-        seeds, scenario, ship=ship, control=control, surrogate=surrogate, overrides=overrides
-    )
+    env = {"ship": ship, "control": control, "surrogate": surrogate, "overrides": overrides}
+    batch = begin(seeds, scenario, parallel=parallel, **env)
     controller.reset(batch.n, batch.ship, batch.scenario)
     log = _Log(batch)
     steps = range(batch.scenario.steps)

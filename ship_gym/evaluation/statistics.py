@@ -1,4 +1,4 @@
-"""Statistics over episodes: interquartile means, bootstrap intervals, paired differences, tables."""
+"""Statistics over episodes: interquartile mean, bootstrap interval, paired difference, table."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def _estimates(values: Mapping[str, Sequence[float]]) -> dict[str, dict[str, flo
 
 
 def table(comparison: Mapping[str, Any], markdown: bool = False) -> str:
-    """A comparison as text: a row for each metric, a column for each controller and difference.
+    """A comparison as text: metrics of the controllers, then differences from the reference.
 
     Parameters
     ----------
@@ -154,14 +154,21 @@ def table(comparison: Mapping[str, Any], markdown: bool = False) -> str:
     markdown : bool
         With column rules for a README, else aligned plain text.
     """
-    reference = comparison["reference"]
-    columns = dict(comparison["controllers"])
-    columns.update({f"{k} - {reference}": v for k, v in comparison["differences"].items()})
-    rows = [["metric", "unit", "better", *columns]]
-    for name, metric in comparison["metrics"].items():
-        cells = [_cell(column[name]) for column in columns.values()]
+    units, found = comparison["metrics"], comparison["controllers"]
+    rows = [["metric", "unit", "better", *found]]
+    for name, metric in units.items():
+        cells = [_cell(column[name]) for column in found.values()]
         rows.append([name, metric["unit"], metric["better"], *cells])
-    return aligned(rows, markdown)
+    text = aligned(rows, markdown)
+    differences = comparison["differences"]
+    if not differences:
+        return text
+    reference = comparison["reference"]
+    rows = [["difference", "unit", *(f"{name} - {reference}" for name in differences)]]
+    for name, metric in units.items():
+        cells = [_judged_cell(column[name], metric["better"]) for column in differences.values()]
+        rows.append([name, metric["unit"], *cells])
+    return f"{text}\n\n{aligned(rows, markdown)}"
 
 
 def aligned(rows: Sequence[Sequence[str]], markdown: bool = False) -> str:
@@ -172,6 +179,14 @@ def aligned(rows: Sequence[Sequence[str]], markdown: bool = False) -> str:
     if markdown:
         return "\n".join("| " + " | ".join(row) + " |" for row in [padded[0], rule, *padded[1:]])
     return "\n".join("  ".join(row).rstrip() for row in [padded[0], rule, *padded[1:]])
+
+
+def _judged_cell(difference: Mapping[str, float | None], better: str) -> str:
+    """Cell of a paired difference; says better or worse where the interval leaves out zero."""
+    low, high, text = difference["low"], difference["high"], _cell(difference)
+    if low is None or low <= 0.0 <= high:
+        return text
+    return f"{text} {'better' if (high < 0.0) == (better == 'lower') else 'worse'}"
 
 
 def _cell(found: Mapping[str, float | None]) -> str:

@@ -47,7 +47,7 @@ def finite(state):
     return 1 if math.isfinite(total) else 0
 
 
-def _step_batch(states, commands, times, clock, ships, seas, water, deflected, out):
+def _step_batch(states, commands, times, clock, ships, seas, water, deflected, forces, flow):
     """Advance every ship by one control interval, in place.
 
     Parameters
@@ -61,15 +61,15 @@ def _step_batch(states, commands, times, clock, ships, seas, water, deflected, o
     ships, seas : structured ndarray (n,)
     water, deflected : ndarray (kinds, count, 2), (kinds, count, count, 6)
         Tables of each kind of ship; ``ships.kind`` selects.
-    out : (ndarray (n, 4, 3), ndarray (n, 7))
-        Forces and flow at the start of the interval.
+    forces, flow : ndarray (n, 4, 3), ndarray (n, 7)
+        Written: at the start of the interval. Not in a tuple, because numba loses what a parallel
+        loop writes into arrays that are unpacked from one.
 
     Returns
     -------
     int
         Number of ships whose new state is finite.
     """
-    forces, flow = out
     alive = 0
     for i in prange(states.shape[0]):
         ship = ships[i]

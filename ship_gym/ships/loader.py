@@ -46,7 +46,17 @@ _SECTIONS = {
     "gear": SteeringGear,
     "engine": Engine,
 }
-_NEEDED = ("title", "status", "source", "full_length", "rho", "nu", "speed", "open_water", *_SECTIONS)
+_NEEDED = (
+    "title",
+    "status",
+    "source",
+    "full_length",
+    "rho",
+    "nu",
+    "speed",
+    "open_water",
+    *_SECTIONS,
+)
 _TOP = (*_NEEDED, "surrogate", "trial")
 _TOP_UNITS = (("full_length", "m"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", "m/s"))
 _NUMBER_KEYS = ("value", "unit", "source", "estimated")
@@ -141,8 +151,7 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
         name: reader.section(name, cls, data[name], length) for name, cls in _SECTIONS.items()
     }
     top = {
-        key: reader.number(key, unit, data[key], length, data["source"])
-        for key, unit in _TOP_UNITS
+        key: reader.number(key, unit, data[key], length, data["source"]) for key, unit in _TOP_UNITS
     }
     trials = tuple(build(Trial, trial, f"{path}: trial") for trial in data.get("trial", []))
     return Ship(
@@ -213,7 +222,9 @@ class _Reader:
         self._check_keys(name, type(section), values)
         units = {f.name: f.metadata["unit"] for f in dataclasses.fields(section)}
         changes = {
-            key: self.number(f"{name}.{key}", units[key], value, length, values.get("source", self.source))
+            key: self.number(
+                f"{name}.{key}", units[key], value, length, values.get("source", self.source)
+            )
             for key, value in values.items()
             if key in units
         }

@@ -33,9 +33,7 @@ def same(a, b, path="info"):
 def test_native_is_sync_of_scalars_bit_for_bit(env_id, control, mode):
     options = {"control": control, "overrides": ENDS_OFTEN}
     native = ship_gym.ShipVectorEnv(5, autoreset_mode=mode, **options)
-    sync = SyncVectorEnv(
-        [lambda: gym.make(env_id, **options).unwrapped] * 5, autoreset_mode=mode
-    )
+    sync = SyncVectorEnv([lambda: gym.make(env_id, **options).unwrapped] * 5, autoreset_mode=mode)
     rng = np.random.default_rng(8)
     (obs_a, info_a), (obs_b, info_b) = native.reset(seed=42), sync.reset(seed=42)
     assert (obs_a == obs_b).all() and obs_a.dtype == obs_b.dtype

@@ -3,9 +3,12 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from agents.sb3.policy import POLICY_FILE, Actor, Normaliser, SB3Policy, save_policy
 from ship_gym.config import ConfigError
+from ship_gym.tasks.heading import OBSERVATIONS
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 
@@ -45,6 +48,32 @@ def test_evaluate_json(script):
     found = json.loads(out)
     assert code == 0 and found["file"] == "runs/evaluation.json"
     assert list(found["controllers"]) == ["constant"] and found["differences"] == {}
+
+
+@pytest.fixture
+def policy(tmp_path):
+    """Folder of a policy that steers with rudder = -2 sin(psi_e) - r'."""
+    weights = np.zeros((1, 9))
+    weights[0, 0], weights[0, 2] = -2.0, -1.0
+    actor = Actor((weights,), (np.zeros(1),), "tanh", "clip")
+    card = {"name": "tiny", "observations": [row[0] for row in OBSERVATIONS]}
+    scaling = Normaliser(np.zeros(9), np.ones(9), 10.0)
+    save_policy(SB3Policy(actor, scaling, card), tmp_path / "run" / POLICY_FILE)
+    return "run"
+
+
+def test_evaluate_a_policy(script, policy, tmp_path):
+    code, out, _ = script("evaluate", "--policy", policy, "--episodes", 2)
+    assert code == 0
+    assert "tiny - pid" in out and "next: python scripts/record.py --policy run" in out
+    found = json.loads((tmp_path / "run" / "evaluation.json").read_text())
+    assert list(found["controllers"]) == ["tiny", "pid", "constant"]
+    assert found["controllers"]["tiny"]["success"]["value"] == 1.0
+
+
+def test_policy_for_another_control_is_refused_before_work(script, policy):
+    code, out, err = script("evaluate", "--policy", policy, "--control", "rudder+rpm")
+    assert (code, out) == (2, "") and "trained for control = 'rudder'" in err
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,69 @@
+"""Sail controllers on the same evaluation episodes; print their metrics side by side."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from _cli import parser, progress, run, show
+
+from agents import make_controller
+from ship_gym.evaluation import compare, evaluation_seeds, rollout, table
+from ship_gym.evaluation.rollout import begin
+from ship_gym.provenance import atomic_path
+
+EXAMPLES = (
+    "python scripts/evaluate.py --policy runs/quickstart",
+    "python scripts/evaluate.py --ship kvlcc2 --episodes 128 --markdown",
+)
+
+
+def arguments():
+    p = parser(f"{__doc__} Intervals: 95 % bootstrap over the episodes.", EXAMPLES)
+    p.add_argument("--policy", help="folder or file of a trained policy")
+    p.add_argument("--controllers", nargs="*", default=["pid", "constant"], help="sail these too")
+    p.add_argument("--ship", help="name or ship file (default: the scenario's, kcs)")
+    p.add_argument("--control", help="rudder (default) or rudder+rpm")
+    p.add_argument("--episodes", type=int, default=32, help="number of seeds (default 32)")
+    p.add_argument(
+        "--out", type=Path, help="JSON (default: evaluation.json, in runs or the policy)"
+    )
+    p.add_argument("--markdown", action="store_true", help="print the tables for a README")
+    return p.parse_args()
+
+
+def sail(names: list[str], seeds: list[int], **env) -> list:
+    """One rollout for each controller, all of them refused before the first one sails."""
+    controllers = [make_controller(name) for name in names]
+    start = begin(seeds[:1], **env)
+    for controller in controllers:
+        controller.reset(1, start.ship, start.scenario)
+    return [
+        rollout(c, seeds=seeds, progress=lambda steps, c=c: progress(steps, c.name), **env)
+        for c in controllers
+    ]
+
+
+def main() -> None:
+    args = arguments()
+    names = [name for name in (args.policy, *args.controllers) if name]
+    seeds = evaluation_seeds(args.episodes)
+    rollouts = sail(names, seeds, ship=args.ship, control=args.control)
+    sailed = [r.controller for r in rollouts]
+    found = compare(rollouts, "pid" if "pid" in sailed else None)
+    folder = Path(args.policy) if args.policy and Path(args.policy).is_dir() else Path("runs")
+    out = args.out or folder / "evaluation.json"
+    with atomic_path(out) as temporary:
+        temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    following = f"--policy {args.policy}" if args.policy else f"--controller {names[0]}"
+    following += f" --ship {args.ship}" if args.ship else ""
+    text = (
+        f"{found['ship']}, {len(seeds)} episodes (seeds {seeds[0]} to {seeds[-1]}), interquartile "
+        f"mean [95 % interval]; success: mean\n{table(found, args.markdown)}\n\n"
+        f"wrote {out}\nnext: python scripts/record.py {following}"
+    )
+    show(args.json, {**found, "file": str(out)}, text)
+
+
+if __name__ == "__main__":
+    run(main)

@@ -1,0 +1,54 @@
+"""Record one episode as a rerun file, read it back and compute its metrics from the file."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+
+from _cli import parser, progress, run, show
+
+from agents import make_controller
+from ship_gym.evaluation import METRICS, metrics, rollout
+from ship_gym.evaluation.rollout import EVALUATION_SEED
+from ship_gym.evaluation.statistics import aligned
+from ship_gym.recording import Trajectory
+
+EXAMPLES = (
+    "python scripts/record.py --policy runs/quickstart",
+    "python scripts/record.py --controller pid --ship kvlcc2 --seed 1000007 --out runs/pid.rrd",
+)
+
+
+def arguments():
+    p = parser(__doc__, EXAMPLES)
+    who = p.add_mutually_exclusive_group()
+    who.add_argument("--policy", help="folder or file of a trained policy")
+    who.add_argument("--controller", default="pid", help="pid (default) or constant")
+    p.add_argument("--ship", help="name or ship file (default: the scenario's, kcs)")
+    p.add_argument("--control", help="rudder (default) or rudder+rpm")
+    p.add_argument("--seed", type=int, default=EVALUATION_SEED, help=f"default {EVALUATION_SEED}")
+    p.add_argument("--out", type=Path, default=Path("runs/rollout.rrd"), help="file to write")
+    return p.parse_args()
+
+
+def main() -> None:
+    args = arguments()
+    if find_spec("rerun") is None:
+        raise ImportError('recordings need rerun: pip install "ship-gym[rerun]"')
+    controller = make_controller(args.policy or args.controller)
+    env = {"ship": args.ship, "control": args.control}
+    sailed = rollout(controller, seeds=[args.seed], progress=progress, **env).trajectory(0)
+    sailed.to_rrd(args.out)
+    found = metrics(Trajectory.from_rrd(args.out))
+    if found != metrics(sailed):
+        raise OSError(f"{args.out}: the metrics of the file are not those of the episode")
+    rows = [["metric", "unit", controller.name]]
+    rows += [[name, METRICS[name].unit, f"{value:.5g}"] for name, value in found.items()]
+    text = f"seed {args.seed}, metrics computed from {args.out}\n{aligned(rows)}\n\n"
+    text += f"wrote {args.out}\nnext: rerun {args.out}"
+    data = {"controller": controller.name, "seed": args.seed, "metrics": found}
+    show(args.json, {**data, "file": str(args.out)}, text)
+
+
+if __name__ == "__main__":
+    run(main)
