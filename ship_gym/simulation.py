@@ -30,7 +30,9 @@ from ship_gym.sea.state import CALM, N_PHASES, Sea, sea_records
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet
 
-PARALLEL_FROM = 512  # ships; below it starting threads costs more than it saves
+PARALLEL_FROM = (
+    2048  # ships; below it waiting for threads costs more than it saves where cores are busy
+)
 
 
 class SimulationDiverged(RuntimeError):
@@ -49,7 +51,7 @@ class ShipSim:
     sea : Sea or sequence of Sea
         One sea for all, or one each.
     parallel : bool or None
-        Threads or not; None: from 512 ships on. The numbers are the same bit for bit.
+        Threads or not; None: from 2048 ships on. The numbers are the same bit for bit.
 
     Attributes
     ----------

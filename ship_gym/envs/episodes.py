@@ -81,10 +81,6 @@ class EpisodeBatch:
         self.elapsed = np.zeros(n, dtype=np.int64)
         done = (self.terminated, self.truncated)
         self._verdict = (self.rewards, *done, self.elapsed, scenario.steps)
-        threads = self.sim.parallel
-        self._command = heading.command_batch_parallel if threads else heading.command_batch
-        self._observe = heading.observe_batch_parallel if threads else heading.observe_batch
-        self._judge = heading.judge_batch_parallel if threads else heading.judge_batch
 
     def _fill_tasks(self) -> None:
         ship, scenario, tasks = self.ship, self.scenario, self.tasks
@@ -141,7 +137,7 @@ class EpisodeBatch:
     def observe(self) -> None:
         """Refresh the observations from the present states."""
         sim = self.sim
-        self._observe(
+        heading.observe_batch(
             sim.state, self._commands, sim.records, sim.seas, self.tasks, self.observations
         )
 
@@ -149,12 +145,14 @@ class EpisodeBatch:
         """Sail one control interval under actions of shape (n, n_actions)."""
         sim, before = self.sim, self._rudder_before
         actions = self._shaped(actions)
-        good = self._command(actions, sim.state, sim.records, self.tasks, self._commands, before)
+        good = heading.command_batch(
+            actions, sim.state, sim.records, self.tasks, self._commands, before
+        )
         if good < self.n:
             row = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
             raise ConfigError(f"action {row} = {actions[row].tolist()}: must be finite, in [-1, 1]")
         sim.step(self._commands, self.dt)
-        self._judge(sim.state, before, sim.seas, self.tasks, self.terms, *self._verdict)
+        heading.judge_batch(sim.state, before, sim.seas, self.tasks, self.terms, self._verdict)
         self.observe()
 
     def _shaped(self, actions: Any) -> np.ndarray:

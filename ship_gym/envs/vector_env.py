@@ -38,7 +38,7 @@ class ShipVectorEnv(VectorEnv):
         ``"NextStep"`` (default), ``"SameStep"`` (``final_obs``, ``final_info`` in info) or
         ``"Disabled"`` (reset with ``options={"reset_mask": mask}``).
     parallel : bool, optional
-        Threads or not; None: from 512 environments on. Same numbers.
+        Threads or not; None: from 2048 environments on. Same numbers.
     """
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012

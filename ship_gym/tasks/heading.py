@@ -1,7 +1,8 @@
 """Heading keeping: what the agent sees, what it is paid for, when the episode ends.
 
-One scalar kernel judges one ship; the loop below it is the only other code. All arrays are of a
-batch, so the scalar environment is a batch of one.
+Scalar kernels and the loops over them; the scalar environment is a batch of one. The loops are
+serial: they take a tenth of the physics, and each start of threads is a place to wait where cores
+are shared.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import math
 import numpy as np
 
 from ship_gym.conventions import DELTA, PSI, N, R, U, V
-from ship_gym.physics._kernel import batch, kernel, prange
+from ship_gym.physics._kernel import kernel
 from ship_gym.physics.dynamics import water_velocity
 
 # symbol, unit, low, high, meaning
@@ -94,13 +95,14 @@ def reward_terms(psi_e, delta, stroke, u, task):
     return terms, ended
 
 
-def _command_batch(actions, states, ships, tasks, commands, rudder_before):
+@kernel
+def command_batch(actions, states, ships, tasks, commands, rudder_before):
     """Actions in [-1, 1] to commands: rudder / delta_max and, if there, rpm from [0, n_max].
 
     Keeps the rudder angle at the start of the interval. Returns how many rows are finite.
     """
     good = 0
-    for i in prange(actions.shape[0]):
+    for i in range(actions.shape[0]):
         rudder_before[i] = states[i, DELTA]
         commands[i, 0] = clipped(actions[i, 0], -1.0, 1.0) * ships[i].gear.delta_max
         commands[i, 1] = tasks[i].n_order
@@ -133,22 +135,22 @@ def observe(state, command, ship, sea, task, row):
         row[k] = clipped(values[k], LOW[k], HIGH[k])
 
 
-def _observe_batch(states, commands, ships, seas, tasks, observations):
+@kernel
+def observe_batch(states, commands, ships, seas, tasks, observations):
     """Observation of every ship, shape (n, 9), float32."""
-    for i in prange(states.shape[0]):
+    for i in range(states.shape[0]):
         observe(states[i], commands[i], ships[i], seas[i], tasks[i], observations[i])
 
 
-def _judge_batch(
-    states, rudder_before, seas, tasks, terms, rewards, terminated, truncated, elapsed, steps
-):
+@kernel
+def judge_batch(states, rudder_before, seas, tasks, terms, verdict):
     """Reward terms (n, 5) of the interval just sailed and the verdict on it.
 
-    Writes rewards, terminated, truncated and elapsed, each (n,); `steps` is the number of
-    intervals of an episode. The arrays are no tuple: numba 0.68 loses what a parallel loop writes
-    into arrays unpacked from one.
+    `verdict` holds rewards, terminated, truncated and elapsed, each (n,) and written, and the
+    number of intervals of an episode.
     """
-    for i in prange(states.shape[0]):
+    rewards, terminated, truncated, elapsed, steps = verdict
+    for i in range(states.shape[0]):
         psi, delta = states[i, PSI], states[i, DELTA]
         u_c, _ = water_velocity(psi, seas[i])
         psi_e = wrapped(psi - tasks[i].psi_ordered)
@@ -162,8 +164,3 @@ def _judge_batch(
         terminated[i] = ended
         elapsed[i] += 1
         truncated[i] = elapsed[i] >= steps
-
-
-command_batch, command_batch_parallel = batch(_command_batch)
-observe_batch, observe_batch_parallel = batch(_observe_batch)
-judge_batch, judge_batch_parallel = batch(_judge_batch)

@@ -30,7 +30,7 @@ def drifting(J, beta, delta=D35, name="kcs_model", n=N_CFD):
 
 def coefficients(J, beta):
     """K_T, 10K_Q, K_S, C_Fx, C_Fy (y to port) that the kernels give at the trained angle."""
-    hull, propeller, rudder, flow = drifting(J, beta)
+    _, propeller, rudder, flow = drifting(J, beta)
     thrust, torque = flow[3], flow[4]
     ship = load_ship("kcs_model")
     u = J * N_CFD * D
