@@ -91,7 +91,6 @@ class ShipSim:
         self.forces = np.zeros((self.n, N_FORCES, len(FORCE_AXES)))
         self.flow = np.zeros((self.n, N_FLOW))
         self._clock = np.zeros((self.n, 2))
-        self._dt: float | np.ndarray | None = None
         self._longest = np.array([longest_step(s) for s in self.ships])
 
     def reset(
@@ -122,6 +121,10 @@ class ShipSim:
         """
         for angle in np.atleast_1d(psi):
             check_angle("psi", angle)
+        for value in () if speed is None else np.ravel(speed).tolist():
+            check_number("speed", value, -100.0, 100.0, "m/s")
+        for value in () if n is None else np.ravel(n).tolist():
+            check_number("n", value, 0.0, max(s.engine.n_max for s in self.ships), "rev/s")
         speeds = np.array([s.speed for s in self.ships]) if speed is None else speed
         self.state[:] = 0.0
         self.state[:, PSI] = psi
@@ -171,12 +174,41 @@ class ShipSim:
 
         Raises
         ------
+        ConfigError
+            Wrong shape, a command that is not finite or looks like degrees, an interval that is
+            not positive.
         SimulationDiverged
             A state became non-finite.
         """
+        commands = np.asarray(commands, dtype=np.float64)
+        if commands.shape != self.commands.shape:
+            raise ConfigError(
+                f"commands have shape {commands.shape}, allowed is {self.commands.shape}"
+            )
+        if not np.isfinite(commands).all():
+            i = int(np.flatnonzero(~np.isfinite(commands).all(axis=1))[0])
+            raise ConfigError(f"commands[{i}] = {commands[i].tolist()}: must be finite")
+        check_angle("rudder command", commands[np.abs(commands[:, 0]).argmax(), 0])
         self.commands[:] = commands
-        if dt is not self._dt:
-            self._set_clock(dt)
+        self.set_interval(dt)
+        return self.advance()
+
+    def set_interval(self, dt: float | np.ndarray) -> None:
+        """Set the interval [s] of `advance`, one for all or one each; n integration steps each."""
+        dt = np.asarray(dt, dtype=np.float64)
+        if dt.shape not in ((), (self.n,)) or not (np.isfinite(dt) & (dt > 0.0)).all():
+            raise ConfigError(f"dt = {dt.tolist()}: must be positive and finite, one or n of them")
+        self._clock[:, 1] = np.maximum(np.ceil(dt / self._longest - 1e-9), 1.0)
+        self._clock[:, 0] = dt / self._clock[:, 1]
+
+    def advance(self) -> np.ndarray:
+        """Sail the interval of `set_interval` under ``self.commands``, both unchecked.
+
+        Raises
+        ------
+        SimulationDiverged
+            A state became non-finite.
+        """
         alive = self._step(
             self.state,
             self.commands,
@@ -192,12 +224,6 @@ class ShipSim:
         if alive < self.n:
             self._report_divergence()
         return self.state
-
-    def _set_clock(self, dt: float | np.ndarray) -> None:
-        steps = np.ceil(np.asarray(dt) / self._longest - 1e-9)
-        self._clock[:, 1] = np.maximum(steps, 1.0)
-        self._clock[:, 0] = np.asarray(dt) / self._clock[:, 1]
-        self._dt = dt
 
     def _report_divergence(self) -> None:
         i = int(np.flatnonzero(~np.isfinite(self.state).all(axis=1))[0])

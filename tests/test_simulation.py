@@ -98,6 +98,39 @@ def test_bad_input(kcs_model):
         Sea(current_direction_to=270.0)
 
 
+@pytest.mark.parametrize(
+    ("call", "word"),
+    [
+        (lambda sim: sim.step([[35.0, 10.0]] * 2, 0.1), "looks like degrees"),
+        (lambda sim: sim.step([[0.1, np.nan]] * 2, 0.1), r"commands[0] = [0.1, nan]"),
+        (lambda sim: sim.step([0.1, 10.0], 0.1), "shape (2,), allowed is (2, 2)"),
+        (lambda sim: sim.step([[0.1, 10.0]] * 2, np.nan), "dt = nan: must be positive"),
+        (lambda sim: sim.step([[0.1, 10.0]] * 2, -1.0), "dt = -1.0"),
+        (lambda sim: sim.step([[0.1, 10.0]] * 2, [0.1, 0.0]), "dt = [0.1, 0.0]"),
+        (lambda sim: sim.reset(speed=np.nan), "speed = nan"),
+        (lambda sim: sim.reset(n=-5.0), "n = -5"),
+    ],
+)
+def test_bad_input_is_refused_before_any_work(kcs_model, call, word):
+    sim = ShipSim(kcs_model, 2)
+    sim.reset(0)
+    before = sim.state.copy()
+    with pytest.raises(ConfigError) as error:
+        call(sim)
+    assert word in str(error.value)
+    assert (sim.state == before).all()
+
+
+def test_a_changed_interval_is_noticed(kcs_model):
+    sim = ShipSim(kcs_model, 1)
+    sim.reset(0)
+    dt = np.array([0.1])
+    sim.step([[0.1, 10.0]], dt)
+    dt *= 10.0
+    sim.step([[0.1, 10.0]], dt)
+    assert sim.time[0] == pytest.approx(1.1)
+
+
 def test_every_named_sea_loads():
     assert {"calm", "current", "disturbed"} <= set(available_seas())
     assert all(isinstance(load_sea(name), Sea) for name in available_seas())

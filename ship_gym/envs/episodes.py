@@ -71,7 +71,7 @@ class EpisodeBatch:
         self.dt = scenario.control_interval / self.ship.time_unit
         self.tasks = np.zeros(n, heading.TASK_DTYPE)
         self._fill_tasks()
-        self._commands = np.zeros((n, 2))
+        self.sim.set_interval(self.dt)
         self._rudder_before = np.zeros(n)
         self.observations = np.zeros((n, heading.N_OBSERVATIONS), dtype=np.float32)
         self.terms = np.zeros((n, heading.N_TERMS))
@@ -127,8 +127,7 @@ class EpisodeBatch:
         sim.state[which] = state
         sim.time[which] = 0.0
         sim.forces[which], sim.flow[which] = 0.0, 0.0
-        self._commands[which, 0], self._commands[which, 1] = 0.0, state[:, N]
-        sim.commands[which] = self._commands[which]
+        sim.commands[which, 0], sim.commands[which, 1] = 0.0, state[:, N]
         self.terms[which], self.rewards[which] = 0.0, 0.0
         self.terminated[which], self.truncated[which] = False, False
         self.elapsed[which] = 0
@@ -138,7 +137,7 @@ class EpisodeBatch:
         """Refresh the observations from the present states."""
         sim = self.sim
         heading.observe_batch(
-            sim.state, self._commands, sim.records, sim.seas, self.tasks, self.observations
+            sim.state, sim.commands, sim.records, sim.seas, self.tasks, self.observations
         )
 
     def step(self, actions: np.ndarray) -> None:
@@ -146,12 +145,12 @@ class EpisodeBatch:
         sim, before = self.sim, self._rudder_before
         actions = self._shaped(actions)
         good = heading.command_batch(
-            actions, sim.state, sim.records, self.tasks, self._commands, before
+            actions, sim.state, sim.records, self.tasks, sim.commands, before
         )
         if good < self.n:
             row = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
             raise ConfigError(f"action {row} = {actions[row].tolist()}: must be finite, in [-1, 1]")
-        sim.step(self._commands, self.dt)
+        sim.advance()
         heading.judge_batch(sim.state, before, sim.seas, self.tasks, self.terms, self._verdict)
         self.observe()
 

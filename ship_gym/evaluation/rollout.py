@@ -258,10 +258,10 @@ class _Log:
 
     def close(self, k: int) -> None:
         """Fill row k, the final state, with the forces that one more step finds at its start."""
-        sim, dt = self.batch.sim, self.batch.dt
+        sim = self.batch.sim
         for name in ("time", "states"):
             self.histories[name][k] = self._now[name]
-        sim.step(sim.commands.copy(), dt)
+        sim.advance()
         for name in ("commands", "forces", "flow"):
             self.histories[name][k] = self._now[name]
         last = self.lengths, np.arange(self.batch.n)
