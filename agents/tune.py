@@ -20,6 +20,7 @@ from ship_gym.conventions import DELTA, PSI, wrap_angle
 from ship_gym.evaluation.metrics import control_cost
 from ship_gym.evaluation.rollout import Rollout, begin, rollout, tuning_seeds
 from ship_gym.provenance import atomic_path, versions
+from ship_gym.ships import load_ship
 
 # structure -> gains that are free in it; the others keep their defaults
 STRUCTURES: dict[str, tuple[str, ...]] = {
@@ -175,7 +176,7 @@ def gains_file(ship: str, ranking: Sequence[Tuned], episodes: int, how: str) -> 
         "J_validation_of": {tuned.structure: round(tuned.J_validation, 4) for tuned in ranking},
     }
     used = {k: v for k, v in versions().items() if k in ("ship-gym", "python", "numpy", "scipy")}
-    return GainsFile(ship, best.gains, tuning, used)
+    return GainsFile(load_ship(ship).name, best.gains, tuning, used)
 
 
 def write_gains(found: GainsFile, path: str | Path | None = None) -> Path:

@@ -8,7 +8,6 @@ from _cli import parser, progress, run, show
 
 from ship_gym import load_ship
 from ship_gym.config import read_csv
-from ship_gym.plotting import plot_surrogate
 from ship_gym.reports import surrogate as report
 from ship_gym.ships.loader import DATA, attach_surrogate
 from ship_gym.surrogates.fit import KCS_SAMPLES, TRAINING, VALIDATION, fit_kcs, sample_set
@@ -60,6 +59,8 @@ def fit(args) -> tuple[dict, str]:
     table = fit_kcs(ship, **choice, order=args.order, samples_path=samples)
     table.save(out)
     if args.plot:
+        from ship_gym.plotting import plot_surrogate  # needs the extra "plot"
+
         rows = read_csv(samples)
         validation = sample_set(rows, *choice.values(), VALIDATION)
         own = table.card["trained_on"] == "printed forces"

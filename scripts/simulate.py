@@ -8,7 +8,6 @@ from _cli import parser, progress, run, show
 
 from ship_gym import load_ship
 from ship_gym.config import ConfigError, check_known
-from ship_gym.plotting import plot_manoeuvre
 from ship_gym.reports import manoeuvre as report
 from ship_gym.reports.case import MANOEUVRES, Case, sail, sail_trial, trials
 
@@ -44,6 +43,8 @@ def arguments():
 
 def write(case: Case, args, number: str) -> list[str]:
     """Write the picture and what else was asked for; return the paths, numbered if several."""
+    from ship_gym.plotting import plot_manoeuvre  # the extra "plot", refused in one line by run()
+
     out = args.out or Path("runs") / f"{case.manoeuvre}.png"
     jobs = {out: lambda path: plot_manoeuvre(case, path)}
     jobs |= {args.csv: case.result.trajectory.to_csv, args.rrd: case.result.trajectory.to_rrd}

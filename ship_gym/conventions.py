@@ -30,6 +30,8 @@ COMMAND_NAMES = ("delta_command", "n_command")
 N_COMMANDS = 2
 
 # Rows of the force breakdown; columns are surge X [N], sway Y [N], yaw moment N [N m] at midship.
+# Hull, propeller and rudder are of the start of an interval, the disturbance of the middle of its
+# first integration step, during which it is held.
 FORCE_COMPONENTS = ("hull", "propeller", "rudder", "disturbance")
 FORCE_AXES = ("X", "Y", "N")
 HULL, PROPELLER, RUDDER, DISTURBANCE = range(4)

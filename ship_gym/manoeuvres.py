@@ -44,8 +44,6 @@ class TurningCircle:
         [N], [N m].
     rudder_normal_force : float
         On the whole rudder, steady [N].
-    movable_normal_force : float
-        The same by area on the movable part, the part a rudder stock measures [N].
     steady_J : float
         Advance ratio u / (n D).
     drift_distance : float
@@ -66,7 +64,6 @@ class TurningCircle:
     steady_thrust: float
     steady_torque: float
     rudder_normal_force: float
-    movable_normal_force: float
     steady_J: float
     drift_distance: float
     drift_direction: float
@@ -177,7 +174,6 @@ def _circle_measures(ship: Ship, U0: float, c: dict, trajectory: Trajectory) -> 
         steady_thrust=steady(c["thrust"]),
         steady_torque=steady(c["torque"]),
         rudder_normal_force=F_N,
-        movable_normal_force=F_N * ship.rudder.A_movable / ship.rudder.A_R,
         steady_J=steady(c["J"]),
         drift_distance=math.hypot(dx, dy) / L,
         drift_direction=math.atan2(dy, dx),

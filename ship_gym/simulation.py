@@ -36,7 +36,7 @@ PARALLEL_FROM = (
 
 
 class SimulationDiverged(RuntimeError):
-    """A state became non-finite; the message carries ship, time, last finite state and command."""
+    """A state became non-finite; the message carries ship, time, state, command and forces."""
 
 
 class ShipSim:

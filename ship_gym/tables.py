@@ -71,6 +71,9 @@ class Table:
             raise ConfigError(f"table values have shape {self.values.shape}, axes say {shape}")
         if not np.isfinite(self.values).all():
             raise ConfigError(f"table {self.names} has non-finite values")
+        frozen = self.values.view()  # one table may serve many ships
+        frozen.flags.writeable = False
+        object.__setattr__(self, "values", frozen)
         if any(axis.count < 2 or axis.step <= 0.0 for axis in self.axes):
             raise ConfigError("a table axis needs at least two points and a positive step")
 

@@ -26,8 +26,15 @@ def resolved_scenario(
 ) -> tuple[Scenario, Ship | None]:
     """Scenario with the arguments of an environment applied, and the ship if it is an object."""
     changes = dict(overrides or {})
-    given = {"control": control, "surrogate": surrogate}
-    given["ship"] = ship.name if isinstance(ship, Ship) else ship
+    if isinstance(ship, Ship):
+        if surrogate is not None:
+            raise ConfigError(
+                f"surrogate = {surrogate!r}: the ship given as an object brings its own, "
+                f"{ship.surrogate_name!r}"
+            )
+        given = {"ship": ship.name, "surrogate": ship.surrogate_name, "control": control}
+    else:
+        given = {"ship": ship, "surrogate": surrogate, "control": control}
     changes.update({key: value for key, value in given.items() if value is not None})
     if isinstance(scenario, Scenario):
         scenario = scenario.to_dict()

@@ -73,6 +73,7 @@ class EpisodeBatch:
         self._fill_tasks()
         self.sim.set_interval(self.dt)
         self._rudder_before = np.zeros(n)
+        self._begun = False
         self.observations = np.zeros((n, heading.N_OBSERVATIONS), dtype=np.float32)
         self.terms = np.zeros((n, heading.N_TERMS))
         self.rewards = np.zeros(n)
@@ -131,6 +132,7 @@ class EpisodeBatch:
         self.terms[which], self.rewards[which] = 0.0, 0.0
         self.terminated[which], self.truncated[which] = False, False
         self.elapsed[which] = 0
+        self._begun = True
         self.observe()
 
     def observe(self) -> None:
@@ -142,6 +144,8 @@ class EpisodeBatch:
 
     def step(self, actions: np.ndarray) -> None:
         """Sail one control interval under actions of shape (n, n_actions)."""
+        if not self._begun:
+            raise ConfigError("step before reset: call reset first")
         sim, before = self.sim, self._rudder_before
         actions = self._shaped(actions)
         good = heading.command_batch(

@@ -68,6 +68,7 @@ class ShipVectorEnv(VectorEnv):
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._generators: list[np.random.Generator | None] = [None] * self.num_envs
+        self._used_seeds: list[int | None] = [None] * self.num_envs
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
         self._everyone = np.ones(self.num_envs, dtype=np.bool_)
 
@@ -75,6 +76,16 @@ class ShipVectorEnv(VectorEnv):
     def ship(self) -> Ship:
         """The ship that sails in every environment."""
         return self.episodes.ship
+
+    @property
+    def np_random(self) -> tuple[np.random.Generator | None, ...]:
+        """Generator of each environment; None before the first reset."""
+        return tuple(self._generators)
+
+    @property
+    def np_random_seed(self) -> tuple[int | None, ...]:
+        """Seed of each environment, seed + i; None before the first reset."""
+        return tuple(self._used_seeds)
 
     def reset(
         self,
@@ -86,7 +97,7 @@ class ShipVectorEnv(VectorEnv):
         mask = self._reset_mask(options)
         for i, s in enumerate(self._seeds(seed)):
             if mask[i] and (s is not None or self._generators[i] is None):
-                self._generators[i] = seeding.np_random(s)[0]
+                self._generators[i], self._used_seeds[i] = seeding.np_random(s)
         self._begin(mask)
         return self.episodes.observations.copy(), self._infos(mask)
 
@@ -99,6 +110,8 @@ class ShipVectorEnv(VectorEnv):
     def _next_step(self, actions):
         """An episode that has ended is reset by the next step, whose action is not used."""
         episodes, ended = self.episodes, self._ended
+        if ended.any():
+            actions = np.where(ended[:, None], 0.0, actions)
         episodes.step(actions)
         if ended.any():
             self._begin(ended)
@@ -156,7 +169,7 @@ class ShipVectorEnv(VectorEnv):
         return mask
 
     def _infos(self, mask: np.ndarray) -> dict[str, Any]:
-        return _masked(self.episodes.info(), mask)
+        return _masked(self.episodes.info(), mask.copy())
 
     def _final_infos(self, ended: np.ndarray) -> dict[str, Any]:
         final = np.full(self.num_envs, None, dtype=object)

@@ -9,7 +9,9 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
+import shutil
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -43,7 +45,18 @@ def _cache_folder() -> str:
     return tempfile.mkdtemp(prefix="ship_gym-")
 
 
+def _forget_old_kernels(folder: str) -> None:
+    """Remove compiled kernels of other sources that nobody has used for a month."""
+    month_ago = time.time() - 30 * 86400.0
+    os.utime(folder)  # "used now"
+    for other in Path(folder).parent.glob("?" * 16):
+        if other.stat().st_mtime < month_ago:
+            shutil.rmtree(other, ignore_errors=True)
+
+
 _CACHE_FOLDER = _cache_folder()
+with contextlib.suppress(OSError):
+    _forget_old_kernels(_CACHE_FOLDER)
 
 
 @contextlib.contextmanager

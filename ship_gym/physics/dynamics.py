@@ -39,7 +39,9 @@ def forces(motion, controls, ship, tables):
         (``conventions.FLOW_NAMES``).
     """
     u, v, r = motion
-    drift = (math.sqrt(u * u + v * v), math.atan2(-v, u))
+    # |u|: astern the drift of wake and rudder is counted from the stern, so that nothing jumps
+    # where the ship backs straight; the same as atan2(-v, u) ahead
+    drift = (math.sqrt(u * u + v * v), math.atan2(-v, abs(u)))
     on_hull = hull_forces(u, v, r, ship.hull, ship.rho)
     on_propeller, race, local = propeller_forces(motion, controls, drift, ship, tables)
     epsilon, beta_P = local

@@ -91,7 +91,7 @@ def propeller_forces(motion, controls, flow, ship, tables):
     controls : (float, float)
         Rudder angle [rad], propeller speed [rev/s] >= 0.
     flow : (float, float)
-        Speed U [m/s] and drift angle beta [rad] at midship.
+        Speed U [m/s] and drift angle atan2(-v, abs(u)) [rad] at midship.
     ship : record
     tables : (ndarray, ndarray)
         Open-water table (count, 2) and surrogate table (count, count, 6) of this ship.

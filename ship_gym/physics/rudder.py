@@ -90,7 +90,8 @@ def rudder_on_plate(motion, controls, flow, wash, ship, table):
 
     F_N is the effective-inflow law at this angle, plus a share (delta / trained angle)^2 of what
     the CFD surrogate gives beyond that law at the trained angle. So the trained angle gives the
-    surrogate back exactly, and near amidships the law is left alone.
+    surrogate back exactly (to port: mirrored, plus what the law's two gamma_R differ by), and near
+    amidships the law is left alone.
     """
     race, epsilon, direction = wash
     u, v, r = motion

@@ -25,7 +25,8 @@ def step_one(state, command, clock, ship, sea, tables):
     -------
     state : tuple of 8 floats
     components : 4 x (float, float, float)
-        X, Y [N], N [N m] of hull, propeller, rudder, disturbance at the start of the interval.
+        X, Y [N], N [N m] of hull, propeller, rudder at the start of the interval and of the
+        disturbance, which is held during an integration step at its value in the middle.
     flow : tuple of 7 floats
         ``conventions.FLOW_NAMES`` at the start of the interval.
     """

@@ -71,7 +71,7 @@ def sail(
     n : float, optional
         Propeller speed [rev/s]; that of the matching trial, else self-propulsion, if omitted.
     sea : str
-        Named sea.
+        Named sea, Froude-scaled to the ship.
 
     Raises
     ------
@@ -84,10 +84,11 @@ def sail(
     trial = _matching_trial(ship, kind, delta, psi, speed, n) if sea == "calm" else None
     if n is None:
         n = self_propulsion(ship, speed) if trial is None or trial.n is None else trial.n
+    water = load_sea(sea).scaled(ship.scale)
     if kind == "turning_circle":
-        result = turning_circle(ship, delta, speed, n, load_sea(sea))
+        result = turning_circle(ship, delta, speed, n, water)
     else:
-        result = zigzag(ship, delta, psi, speed, n, load_sea(sea))
+        result = zigzag(ship, delta, psi, speed, n, water)
     return Case(ship, kind, delta, psi, speed, n, sea, result, trial)
 
 

@@ -32,7 +32,6 @@ _QUANTITIES: dict[str, tuple[str, str, float, int]] = {
     "steady_thrust": ("steady thrust", "N", 1.0, 2),
     "steady_torque": ("steady torque", "N m", 1.0, 4),
     "rudder_normal_force": ("rudder normal force, whole", "N", 1.0, 2),
-    "movable_normal_force": ("  by area on the movable part", "N", 1.0, 2),
     "drift_distance": ("drift from 180 to 540 deg", "L", 1.0, 2),
     "drift_direction": ("  direction from north", "deg", _DEG, 0),
     "overshoot_1": ("first overshoot", "deg", _DEG, 1),

@@ -70,6 +70,11 @@ class Scenario:
         check_known("control", self.control, CONTROLS)
         check_number("control_interval", self.control_interval, 0.05, 60.0, "s")
         check_number("duration", self.duration, self.control_interval, 1e6, "s")
+        if abs(self.duration / self.control_interval - self.steps) > 1e-9 * self.steps:
+            raise ConfigError(
+                f"duration = {self.duration}: must be a multiple of control_interval = "
+                f"{self.control_interval}"
+            )
         check_number("start.heading_error_deg", self.start.heading_error_deg, 0.0, 180.0, "deg")
         check_number("sea.current_speed", self.sea.current_speed, 0.0, 10.0, "m/s")
         for name in ("sway_disturbance", "yaw_disturbance"):

@@ -74,6 +74,10 @@ class Sea:
         check_number("sea.yaw_disturbance", self.yaw_disturbance, 0.0, 1.0)
         check_number("sea.correlation_time", self.correlation_time, 1e-3, 1e3)
 
+    def scaled(self, scale: float) -> Sea:
+        """The same sea for a model of a scale: current by Froude's law, the rest has no scale."""
+        return dataclasses.replace(self, current_speed=self.current_speed / math.sqrt(scale))
+
 
 CALM = Sea()
 _STATES = Path(__file__).with_name("states.toml")
@@ -85,7 +89,7 @@ def available_seas() -> list[str]:
 
 
 def load_sea(name: str) -> Sea:
-    """A named sea; an unknown name is a ConfigError with the nearest one."""
+    """A named sea at full scale (`Sea.scaled` for a model); an unknown name is a ConfigError."""
     states = read_toml(_STATES)
     return build(Sea, states[check_known("sea", name, states)], f"sea {name}")
 

@@ -59,6 +59,7 @@ _NEEDED = (
 )
 _TOP = (*_NEEDED, "surrogate", "trial")
 _TOP_UNITS = (("full_length", "m"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", "m/s"))
+_SAME_SHIP = 0.02  # of D / L: rounding of printed particulars
 _NUMBER_KEYS = ("value", "unit", "source", "estimated")
 
 
@@ -109,7 +110,10 @@ def load_ship(name: str, *, surrogate: str | None = None, variant: str | None = 
     ConfigError
         Unknown name or key (with the nearest one), missing number, wrong unit or value.
     """
-    return _load(str(name), surrogate, variant)
+    name = str(name)
+    if name.endswith(".toml"):  # a user's file may change while this process runs
+        return _load.__wrapped__(name, surrogate, variant)
+    return _load(name, surrogate, variant)
 
 
 @lru_cache(maxsize=32)
@@ -126,9 +130,17 @@ def _load(name: str, surrogate: str | None, variant: str | None) -> Ship:
             data = merged(data, read_toml(folder / f"{variant}.toml"))
         ship = _ship(data, path)
         ship = _with_surrogate(ship, data, folder, name, surrogate)
-    ship = dataclasses.replace(ship, name=path.stem if name.endswith(".toml") else name)
+    ship = dataclasses.replace(ship, name=_name_of(name))
     check_sections(ship)
     return ship
+
+
+def _name_of(name: str) -> str:
+    """Name of a ship: its own, or of its file; of the folder where the file is a ship.toml."""
+    path = Path(name)
+    if path.suffix != ".toml":
+        return name
+    return path.resolve().parent.name if path.stem == "ship" else path.stem
 
 
 def _folder(name: str) -> Path:
@@ -262,34 +274,54 @@ class _Reader:
         return result
 
 
-_OPEN_WATER_KEYS = ("source", "points", "degree", "K_T", "K_Q", "J_range", "b_series", "estimated")
+@dataclasses.dataclass(frozen=True)
+class _BSeries:
+    """Propeller of the Wageningen B-series."""
+
+    pitch_ratio: float
+    area_ratio: float
+    blades: int
+
+
+@dataclasses.dataclass(frozen=True)
+class _OpenWaterEntry:
+    """Section ``open_water`` of a ship file: points with a degree, or polynomials in J."""
+
+    source: str = ""
+    estimated: str = ""
+    points: str | None = None
+    degree: int = 3
+    K_T: tuple[float, ...] = ()  # from the constant upwards
+    K_Q: tuple[float, ...] = ()
+    J_range: tuple[float, ...] = ()
+    b_series: _BSeries | None = None
 
 
 def _open_water(entry: Mapping[str, Any], path: Path, reader: _Reader) -> Table:
-    """Open-water table from points, polynomials or the B-series."""
-    for key in entry:
-        if key not in _OPEN_WATER_KEYS:
-            raise ConfigError(
-                f"{path}: unknown key open_water.{key!r};{nearest(key, _OPEN_WATER_KEYS)}"
-            )
-    reader.sources["open_water"] = entry.get("source", reader.source)
-    if "estimated" in entry:
-        reader.estimated["open_water"] = str(entry["estimated"])
-    card = {"source": reader.sources["open_water"]}
-    if "K_T" in entry:
-        J_range = tuple(float(J) for J in entry["J_range"])
-        K_T = np.array(entry["K_T"][::-1], dtype=float)
-        if "K_Q" in entry:
-            K_Q = np.array(entry["K_Q"][::-1], dtype=float)
+    """Open-water table from points, from polynomials, or K_Q from the B-series."""
+    where = f"{path}: open_water"
+    e = build(_OpenWaterEntry, entry, where)
+    card = {"source": e.source or reader.source}
+    reader.sources["open_water"] = card["source"]
+    if e.estimated:
+        reader.estimated["open_water"] = e.estimated
+    if e.K_T:
+        if len(e.J_range) != 2 or not (e.K_Q or e.b_series):
+            raise ConfigError(f"{where}: K_T also needs J_range = [low, high] and K_Q or b_series")
+        if e.K_Q:
+            K_Q = np.array(e.K_Q[::-1])
         else:
-            J = np.linspace(*J_range, 33)
-            K_Q = np.polyfit(J, b_series(J, **entry["b_series"])[1], 3)
-        return open_water_table(K_T, K_Q, J_range, card)
-    points = read_csv(path.parent / entry["points"]).require("J", "K_T", "10K_Q")
+            J = np.linspace(*e.J_range, 33)
+            K_Q = np.polyfit(J, b_series(J, **dataclasses.asdict(e.b_series))[1], 3)
+        return open_water_table(np.array(e.K_T[::-1]), K_Q, e.J_range, card)
+    if e.points is None:
+        raise ConfigError(f"{where}: needs points = 'file.csv' or K_T with K_Q")
+    check_number(f"{where}.degree", e.degree, 1, 6)
+    points = read_csv(path.parent / e.points).require("J", "K_T", "10K_Q")
     J = points.columns["J"]
-    K_T = np.polyfit(J, points.columns["K_T"], entry["degree"])
-    K_Q = np.polyfit(J, 0.1 * points.columns["10K_Q"], entry["degree"])
-    card["points"] = {entry["points"]: sha256(path.parent / entry["points"])}
+    K_T = np.polyfit(J, points.columns["K_T"], e.degree)
+    K_Q = np.polyfit(J, 0.1 * points.columns["10K_Q"], e.degree)
+    card["points"] = {e.points: sha256(path.parent / e.points)}
     return open_water_table(K_T, K_Q, (float(J.min()), float(J.max())), card)
 
 
@@ -305,27 +337,48 @@ def _with_surrogate(ship: Ship, data, folder: Path, name: str, wanted: str | Non
 
 
 def attach_surrogate(ship: Ship, table: Table, name: str) -> Ship:
-    """Ship with a deflected-rudder surrogate.
+    """Ship with a deflected-rudder surrogate, at any scale.
 
-    The table's card brings the effective-inflow constants fitted to the same samples; they replace
-    those of the MMG rudder. The surrogate is the force on the rudder alone, so X_R is its surge
-    force as it stands (t_R = 0). The port side keeps the ship's ratio of flow straightening, since
-    the samples are of turns to starboard only.
+    The table's card brings the effective-inflow law that was fitted to the same samples; it
+    replaces the MMG rudder whole (area, gradient, height in the race too), also of another hull
+    set. The surrogate is the force on the rudder alone, so X_R is its surge force as it stands
+    (t_R = 0).
+    The port side keeps the ship's ratio of flow straightening, since the samples are of turns to
+    starboard only.
+
+    Raises
+    ------
+    ConfigError
+        The table was made for a ship with another propeller, by its diameter over the length.
     """
-    law = table.card["effective_inflow"]
+    made, law = table.card["made_for"], table.card["effective_inflow"]
+    ratio = ship.hull.L / made["L"]
+    if abs(ship.propeller.D / (made["D"] * ratio) - 1.0) > _SAME_SHIP:
+        raise ConfigError(
+            f"surrogate {name} was made for {made['ship']} with D / L = "
+            f"{made['D'] / made['L']:.4f}; {ship.name} has {ship.propeller.D / ship.hull.L:.4f}"
+        )
     asymmetry = ship.rudder.gamma_R_n / ship.rudder.gamma_R_p
     rudder = dataclasses.replace(
         ship.rudder,
+        A_R=made["A_R"] * ratio**2,
+        f_alpha=made["f_alpha"],
+        eta=made["eta"],
         t_R=0.0,
         epsilon=law["epsilon"],
         kappa=law["kappa"],
         gamma_R_p=law["gamma_R"],
         gamma_R_n=law["gamma_R"] * asymmetry,
     )
+    domain = {**table.card["domain"], "S_R": made["A_R"] * ratio**2}
     fitted = f"fitted to the CFD samples of surrogate {name}"
     names = ("epsilon", "kappa", "gamma_R_p", "gamma_R_n")
     sources = {**ship.sources, **{f"rudder.{k}": fitted for k in names}}
     sources["rudder.t_R"] = "0: the surrogate is the force on the rudder itself"
     return dataclasses.replace(
-        ship, rudder=rudder, surrogate=table, surrogate_name=name, sources=sources
+        ship,
+        rudder=rudder,
+        surrogate=dataclasses.replace(table, card={**table.card, "domain": domain}),
+        surrogate_name=name,
+        sources=sources,
     )

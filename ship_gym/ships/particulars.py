@@ -80,7 +80,6 @@ class Rudder:
     """Rudder, its effective-inflow law and its interaction with the hull."""
 
     A_R: float = quantity("m2", "lateral area of the law")
-    A_movable: float = quantity("m2", "movable part of the lateral area")
     f_alpha: float = quantity("-", "gradient of the normal force coefficient")
     epsilon: float = quantity("-", "ratio of the wake at the rudder to that at the propeller")
     kappa: float = quantity("-", "share of the race's acceleration that reaches the rudder")

@@ -7,7 +7,7 @@ import math
 
 from ship_gym.config import check_number
 from ship_gym.conventions import NU_SEA, RHO_SEA
-from ship_gym.ships.particulars import Ship
+from ship_gym.ships.particulars import Ship, Trial
 
 # SI unit -> power of the length ratio by Froude's law
 _POWERS = {
@@ -27,7 +27,6 @@ _POWERS = {
 _MEASURE_POWERS = {
     "steady_thrust": 3.0,
     "rudder_normal_force": 3.0,
-    "movable_normal_force": 3.0,
     "steady_torque": 4.0,
 }
 
@@ -60,7 +59,9 @@ def scaled(
 
     Resistance, in the basis of R0' (1/2 rho L d U^2), at the nominal speed:
     R0'(new) = R0'(old) - ((1 + k) (C_F,old - C_F,new) - C_A) S / (L d), C_A added at full scale
-    only. Thrust deduction, wake and rudder constants are kept.
+    only. Thrust deduction, wake and rudder constants are kept. With the correction the ship is no
+    longer the model of its trials: of those only the track and speed ratio stay, at the ship's own
+    self-propulsion, named as the model's.
 
     Parameters
     ----------
@@ -81,14 +82,9 @@ def scaled(
         allowance = hull.C_A if hull.L == ship.full_length else 0.0
         change = (hull.form_factor * (old - new) - allowance) * hull.S / (hull.L * hull.d)
         hull = dataclasses.replace(hull, R_0=hull.R_0 - change)
-    root = math.sqrt(ratio)
+    of_model = friction_correction and ratio != 1.0
     trials = tuple(
-        dataclasses.replace(
-            t,
-            speed=t.speed * root,
-            n=None if t.n is None else t.n / root,
-            measures=_scaled_measures(t.measures, ratio, rho / ship.rho),
-        )
+        _scaled_trial(t, ratio, rho / ship.rho, f"model trial of {ship.name}" if of_model else "")
         for t in ship.trials
     )
     return dataclasses.replace(
@@ -107,14 +103,21 @@ def scaled(
     )
 
 
-def _scaled_measures(measures: dict, ratio: float, density_ratio: float) -> dict:
-    """Measured forces and moments at the new scale; ratios, angles and lengths in L stay."""
-    return {
-        name: value * ratio ** _MEASURE_POWERS[name] * density_ratio
-        if name in _MEASURE_POWERS
-        else value
-        for name, value in measures.items()
-    }
+def _scaled_trial(trial: Trial, ratio: float, density_ratio: float, model: str) -> Trial:
+    """A trial at the new scale; of a `model` trial no propeller speed and no force is left."""
+    root, measures = math.sqrt(ratio), {}
+    for name, value in trial.measures.items():
+        if name not in _MEASURE_POWERS:
+            measures[name] = value
+        elif not model:
+            measures[name] = value * ratio ** _MEASURE_POWERS[name] * density_ratio
+    return dataclasses.replace(
+        trial,
+        speed=trial.speed * root,
+        n=None if trial.n is None or model else trial.n / root,
+        measures=measures,
+        source=f"{model}: {trial.source}" if model else trial.source,
+    )
 
 
 def _scaled_surrogate(table, ratio: float):

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from ship_gym.config import ConfigError, CsvTable, check_known, read_csv
-from ship_gym.conventions import RHO_FRESH
 from ship_gym.provenance import provenance, sha256
 from ship_gym.ships.open_water import starred
 from ship_gym.ships.particulars import Ship
@@ -215,7 +214,12 @@ def _table_with_card(ship, models, training, validation, from_points, order, sam
             for k in QUANTITIES
         },
         "effective_inflow": fit_effective_inflow(law_samples, ship),
-        "reference_density": RHO_FRESH,
+        "made_for": {
+            "ship": ship.name,
+            "L": ship.hull.L,
+            "D": ship.propeller.D,
+            **{k: getattr(ship.rudder, k) for k in ("A_R", "f_alpha", "eta")},
+        },
         **provenance(),
     }
     return surrogate_table(models, box, card)

@@ -140,6 +140,14 @@ def test_a_ship_object_can_sail():
     ship = ship_gym.load_ship("kcs", surrogate="none")
     env = ship_gym.ShipEnv(ship=ship)
     assert env.ship is ship and np.isfinite(env.reset(seed=0)[0]).all()
+    assert env.scenario.surrogate == "none"
+    with pytest.raises(ConfigError, match="brings its own"):
+        ship_gym.ShipEnv(ship=ship, surrogate="G2_SA")
+
+
+def test_step_before_reset():
+    with pytest.raises(ConfigError, match="call reset first"):
+        ship_gym.ShipEnv().step(np.zeros(1))
 
 
 @pytest.mark.parametrize(

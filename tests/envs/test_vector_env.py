@@ -100,6 +100,28 @@ def test_disabled_autoreset_resets_by_mask():
     env.step(np.zeros((3, 1)))
 
 
+def test_info_is_the_caller_s_to_change():
+    env = ship_gym.ShipVectorEnv(2)
+    _, info = env.reset(seed=0)
+    info["_time"][:] = False
+    _, info = env.reset(seed=1)
+    assert info["_time"].all()
+
+
+def test_seeds_are_known():
+    env = ship_gym.ShipVectorEnv(3)
+    env.reset(seed=42)
+    assert env.np_random_seed == (42, 43, 44) and len(env.np_random) == 3
+
+
+def test_the_action_of_an_ended_episode_is_not_used():
+    env = ship_gym.ShipVectorEnv(2, overrides={"duration": 2.0})
+    env.reset(seed=0)
+    env.step(np.zeros((2, 1)))
+    env.step(np.zeros((2, 1)))
+    env.step(np.full((2, 1), np.nan))
+
+
 def test_pickling():
     env = ship_gym.ShipVectorEnv(4)
     env.reset(seed=0)

@@ -139,6 +139,25 @@ def test_no_kink_over_rudder_angle_and_drift(name):
     assert jump([(0.65 + 0.6 * g, 0.2, 0.5) for g in grid]) < 0.62
 
 
+@pytest.mark.parametrize("name", available_ships())
+@pytest.mark.parametrize("share", [0.0, 0.5])
+@pytest.mark.parametrize("delta", [0.0, 0.4])
+def test_no_jump_at_any_drift_angle_ahead_and_astern(name, share, delta):
+    """Velocity turned through the full circle, propeller stopped and turning."""
+    record, tables = SHIPS[name]
+    n, U = share * float(record.engine.n_max), 0.3 * load_ship(name).speed
+
+    def sampled(count):
+        angles = np.linspace(-math.pi, math.pi, count)
+        motions = [(U * math.cos(a), -U * math.sin(a), 0.0) for a in angles]
+        rows = [forces(m, (delta, n), record, tables) for m in motions]
+        return np.array([[*row[1], *row[2], row[3][3], row[3][4]] for row in rows])
+
+    fine, coarse = (np.abs(np.diff(sampled(c), axis=0)).max(axis=0) for c in (8001, 4001))
+    changing = coarse > 1e-9 * np.abs(sampled(101)).max(axis=0)
+    assert (fine[changing] / coarse[changing]).max() < 0.62
+
+
 def test_stopped_propeller_and_stopped_ship(ship):
     record, tables = SHIPS[ship.name]
     for motion in ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (-1.0, 0.2, 0.1)):

@@ -35,6 +35,7 @@ def test_a_scenario_file_from_outside(tmp_path):
         ({"task": "parking"}, ["task", "heading_keeping"]),
         ({"control_interval": 0.0}, ["control_interval = 0"]),
         ({"start.heading_error_deg": 70.0}, ["start.heading_error_deg = 70", "below"]),
+        ({"duration": 10.4, "control_interval": 4.0}, ["duration = 10.4", "multiple"]),
         ({"reward.heading": -1.0}, ["reward.heading = -1"]),
         ({"sea.current_speed": "fast"}, ["sea.current_speed", "fast"]),
     ],

@@ -6,7 +6,7 @@ import pytest
 
 from ship_gym.config import ConfigError
 from ship_gym.ships import available_surrogates, available_variants, load_ship
-from ship_gym.ships.loader import DATA
+from ship_gym.ships.loader import DATA, attach_surrogate
 
 
 def test_every_number_has_a_source(ship):
@@ -52,6 +52,25 @@ def test_the_surrogate_replaces_the_law_by_the_one_fitted_with_it():
     assert "CFD samples" in ship.sources["rudder.kappa"]
 
 
+@pytest.mark.parametrize("variant", ["hull_a", "hull_c"])
+def test_a_surrogate_brings_its_own_rudder_to_every_hull_set(variant):
+    base, other = load_ship("kcs_model"), load_ship("kcs_model", variant=variant)
+    for name in ("A_R", "f_alpha", "eta", "epsilon", "kappa", "gamma_R_p"):
+        assert getattr(other.rudder, name) == getattr(base.rudder, name)
+    assert other.hull != base.hull
+
+
+def test_a_table_of_the_model_fits_the_full_scale_ship_and_no_other():
+    table = load_ship("kcs_model").surrogate
+    full = load_ship("kcs")
+    again = attach_surrogate(load_ship("kcs", surrogate="none"), table, "G2_SA")
+    assert again.surrogate.card["domain"]["S_R"] == pytest.approx(0.0096 * (230.0 / 3.057) ** 2)
+    assert again.rudder.A_R == pytest.approx(full.rudder.A_R)
+    assert again.rudder.gamma_R_n == pytest.approx(full.rudder.gamma_R_n)
+    with pytest.raises(ConfigError, match=r"made for kcs_model with D / L = 0.0343; kvlcc2_model"):
+        attach_surrogate(load_ship("kvlcc2_model"), table, "G2_SA")
+
+
 @pytest.mark.parametrize(
     ("call", "word"),
     [
@@ -80,7 +99,10 @@ def own_ship(tmp_path):
 
 
 def test_a_ship_file_from_outside_the_package(own_ship):
-    assert load_ship(str(own_ship)).hull == load_ship("kvlcc2_model").hull
+    ship = load_ship(str(own_ship))
+    assert ship.hull == load_ship("kvlcc2_model").hull and ship.name == "mine"
+    own_ship.write_text(own_ship.read_text().replace("R_0 = 0.022", "R_0 = 0.044"))
+    assert load_ship(str(own_ship)).hull.R_0 == 0.044  # an edited file is read again
 
 
 @pytest.mark.parametrize(
@@ -96,6 +118,9 @@ def test_a_ship_file_from_outside_the_package(own_ship):
         ('value = 0.0539, unit = "m2" }', 'value = -1.0, unit = "m2" }', ["rudder.A_R", "> 0"]),
         ("t_P = 0.220", "t_p = 0.220", ["t_p", "did you mean 't_P'"]),
         ("[gear]", "[gears]", ["gears", "did you mean 'gear'"]),
+        ("J_range = [0.0, 0.8]\n", "", ["open_water", "J_range"]),
+        ("K_T = [0.2931, -0.2753, -0.1385]", "K_T = 0.3", ["open_water.K_T", "list"]),
+        ("pitch_ratio = 0.721", "pitch = 0.721", ["open_water.b_series", "pitch_ratio"]),
     ],
 )
 def test_a_wrong_ship_file_names_the_field(own_ship, old, new, words):

@@ -55,6 +55,21 @@ def test_friction_correction_lowers_resistance_by_its_formula():
     assert 0.4 * model.hull.R_0 < h.R_0 < 0.6 * model.hull.R_0
 
 
+def test_full_scale_kcs_at_24_knots_beside_the_published_rpm():
+    """94.4 rpm with the friction correction; the published 115.5 is the model's own point."""
+    assert 60.0 * self_propulsion(load_ship("kcs"), 24.0 * KNOT) == pytest.approx(94.4, abs=0.1)
+
+
+def test_trials_of_a_corrected_ship_are_named_as_the_model_s():
+    for name in ("kcs", "kvlcc2"):
+        for trial in load_ship(name).trials:
+            assert trial.n is None and trial.source.startswith("model trial of")
+            assert not {"steady_thrust", "rudder_normal_force"} & set(trial.measures)
+    same = scaled(load_ship("kcs_model"), 6.114, rho=999.103, friction_correction=False)
+    assert same.trials[0].measures["steady_thrust"] == pytest.approx(5.14 * 8.0)
+    assert same.trials[0].n == pytest.approx(10.2 / math.sqrt(2.0))
+
+
 def test_scaling_down_again_gives_the_model_back():
     ship = load_ship("kcs")
     model = scaled(ship, 3.057, rho=999.103, friction_correction=False)

@@ -107,13 +107,18 @@ def test_the_table_is_the_regression_to_half_a_percent_of_its_range():
 
 
 def test_effective_inflow_reproduces_the_normal_force():
-    """The design's prototype: within 8 %, mean 5 %; here 14 % at one point of eight, mean 5 %."""
+    """Mean error 5 % as in the design's prototype; its 8 % everywhere is not reached.
+
+    The law with one gamma_R misses at the edges of the box: 14 % low at 42 deg of drift (point 8),
+    11 % high at J 0.24 (point 7). The other six of the eight training points are within 8 %. At the
+    trained angle this does not matter: there the regression stands in for the law.
+    """
     law = load_ship("kcs_model").surrogate.card["effective_inflow"]
-    assert law["mean_abs_error_percent"] < 6.0
-    assert max(abs(e) for e in law["errors_percent"]) < 15.0
-    # fitted from CFD, and yet close to the model test of hull set B (0.956, 0.633, 0.492)
-    assert law["epsilon"] == pytest.approx(0.956, abs=0.05)
-    assert law["gamma_R"] == pytest.approx(0.492, abs=0.05)
+    errors = np.abs(law["errors_percent"])
+    assert law["mean_abs_error_percent"] == pytest.approx(errors.mean(), abs=1e-2)
+    assert errors.mean() < 5.5
+    edges = [TRAINING.index(7), TRAINING.index(8)]
+    assert (np.delete(errors, edges) < 8.0).all() and (errors[edges] < 15.0).all()
 
 
 def test_regression_predicts_its_own_polynomial_with_no_spread():
