@@ -11,29 +11,24 @@ from agents.sb3.config import config_for
 from agents.sb3.summary import plan, summary
 
 EXAMPLES = (
-    "python scripts/train.py --minutes 2                      # into runs/heading",
     "python scripts/train.py --ship kvlcc2 --steps 5000000 --seed 1 --out runs/kvlcc2",
     "python scripts/train.py --resume --minutes 10            # 10 minutes in all",
 )
 
 
-def arguments():
-    p = parser(__doc__, EXAMPLES)
-    p.add_argument("--ship", help="name or ship file (default: the scenario's, kcs)")
-    p.add_argument("--control", help="rudder (default) or rudder+rpm")
-    p.add_argument("--algorithm", help="ppo (default), sac or td3")
-    p.add_argument("--hyperparameters", help="TOML file (default: agents/sb3/hyperparameters)")
-    p.add_argument("--envs", type=int, help="environments (default: the hyperparameters')")
-    p.add_argument("--seed", type=int, help="of network, exploration and episodes (default 0)")
-    p.add_argument("--minutes", type=float, help="wall-clock time of the run (default 2)")
-    p.add_argument("--steps", type=int, help="samples of the run, instead of or beside --minutes")
-    p.add_argument("--out", default="runs/heading", help="run folder (default runs/heading)")
-    p.add_argument("--resume", action="store_true", help="continue the run in --out as it is")
-    return p.parse_args()
-
-
 def main() -> None:
-    args = vars(arguments())
+    args = parser(__doc__, EXAMPLES)
+    args.add_argument("--ship", help="name or ship file (default: the scenario's, kcs)")
+    args.add_argument("--control", help="rudder (default) or rudder+rpm")
+    args.add_argument("--algorithm", help="ppo (default), sac or td3")
+    args.add_argument("--hyperparameters", help="TOML file (default: agents/sb3/hyperparameters)")
+    args.add_argument("--envs", type=int, help="environments (default: the hyperparameters')")
+    args.add_argument("--seed", type=int, help="of network, exploration, episodes (default 0)")
+    args.add_argument("--minutes", type=float, help="wall-clock time of the run (default 2)")
+    args.add_argument("--steps", type=int, help="samples, instead of or beside --minutes")
+    args.add_argument("--out", default="runs/heading", help="run folder (default runs/heading)")
+    args.add_argument("--resume", action="store_true", help="continue the run in --out")
+    args = vars(args.parse_args())
     from agents.sb3.train import train  # late: without the extra, one line of error
 
     as_json, out, resume = (args.pop(name) for name in ("json", "out", "resume"))

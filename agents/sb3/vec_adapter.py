@@ -7,6 +7,7 @@ call instead of n scalar environments, and builds no info for an episode that is
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from ship_gym.config import ConfigError
 from ship_gym.envs.vector_env import ShipVectorEnv
+from ship_gym.scenarios.scenario import Scenario
+from ship_gym.ships.particulars import Ship
 
 
 class ShipVecEnv(VecEnv):
@@ -31,17 +34,33 @@ class ShipVecEnv(VecEnv):
         Let the first episodes after a reset end early, at random times drawn from the seed. The
         environments are then spread over all phases of an episode; without it a short rollout
         sees n starts and the next n steady voyages.
-    **arguments
-        Arguments of ``ShipVectorEnv`` (ship, control, scenario, overrides, parallel, ...); the
-        autoreset mode is given by stable-baselines3.
+    ship, control, surrogate, scenario, overrides, parallel
+        As in ``ShipVectorEnv``; the autoreset mode is given by stable-baselines3.
     """
 
-    def __init__(self, num_envs: int, stagger: bool = False, **arguments: Any):
-        self.env = ShipVectorEnv(num_envs, autoreset_mode="SameStep", **arguments)
-        self.stagger = stagger
-        super().__init__(
-            num_envs, self.env.single_observation_space, self.env.single_action_space
+    def __init__(
+        self,
+        num_envs: int,
+        stagger: bool = False,
+        ship: str | Ship | None = None,
+        control: str | None = None,
+        surrogate: str | None = None,
+        scenario: str | Mapping[str, Any] | Scenario = "heading_keeping",
+        overrides: Mapping[str, Any] | None = None,
+        parallel: bool | None = None,
+    ):
+        self.env = ShipVectorEnv(
+            num_envs,
+            ship,
+            control,
+            surrogate,
+            scenario,
+            overrides,
+            autoreset_mode="SameStep",
+            parallel=parallel,
         )
+        self.stagger = stagger
+        super().__init__(num_envs, self.env.single_observation_space, self.env.single_action_space)
         self._actions = np.zeros((num_envs, *self.action_space.shape), dtype=np.float32)
         self._returns = np.zeros(num_envs)
         self._lengths = np.zeros(num_envs, dtype=np.int64)

@@ -351,6 +351,9 @@ def attach_surrogate(ship: Ship, table: Table, name: str) -> Ship:
     ConfigError
         The table was made for a ship with another propeller, by its diameter over the length.
     """
+    for key in ("made_for", "effective_inflow", "domain"):
+        if key not in table.card:
+            raise ConfigError(f"surrogate {name}: its card has no {key!r}; fit it again")
     made, law = table.card["made_for"], table.card["effective_inflow"]
     ratio = ship.hull.L / made["L"]
     if abs(ship.propeller.D / (made["D"] * ratio) - 1.0) > _SAME_SHIP:

@@ -36,7 +36,7 @@ def script(monkeypatch, tmp_path, capsys):
 def test_evaluate_writes_what_it_prints(script, tmp_path):
     code, out, _ = script("evaluate", "--episodes", 3, "--out", "e/found.json")
     assert code == 0
-    assert "constant - pid" in out and "seeds 1000000 to 1000002" in out
+    assert "constant - pid" in out and "seeds 2000000 to 2000002" in out
     assert "wrote e/found.json" in out and "next: python scripts/record.py --controller pid" in out
     found = json.loads((tmp_path / "e" / "found.json").read_text())
     assert found["reference"] == "pid" and len(found["episodes"]["pid"]["J_0.1"]) == 3

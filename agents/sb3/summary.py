@@ -1,0 +1,44 @@
+"""What a training run prints before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from agents.sb3.config import RunConfig
+
+
+def plan(
+    config: RunConfig, out: str | Path, minutes: float | None = None, steps: int | None = None
+) -> str:
+    """One line: what is trained, for how long, into which folder."""
+    limits = [f"{minutes:g} min" if minutes else "", f"{steps} samples" if steps else ""]
+    scenario, training = config.scenario, config.hyperparameters.training
+    return (
+        f"{config.algorithm}: {scenario.task} with {scenario.ship}, control {scenario.control}, "
+        f"seed {config.seed}, {training.envs} environments, at most "
+        f"{' or '.join(filter(None, limits))} -> {out}"
+    )
+
+
+def summary(card: Mapping[str, Any], out: str | Path) -> str:
+    """How training went, where the policy is and what to do next."""
+    best, seconds = card["best"], card["seconds"]
+    rate = card["samples"] / seconds
+    history = "  ".join(f"{found['J']:.1f}" for found in card["validations"])
+    return (
+        f"{card['samples']} samples in {seconds:.0f} s, {rate:.0f} per second\n"
+        f"validation J [deg2]: {history}\n"
+        f"best: J {best['J']:.2f} deg2, return {best['return']:.2f}, success "
+        f"{best['success']:.0%}, after {best['samples']} samples\n"
+        f"wrote {Path(out) / 'policy.zip'}, card.json and checkpoint\n"
+        f"next: python scripts/evaluate.py --policy {out}{_environment(card)}"
+    )
+
+
+def _environment(card: Mapping[str, Any]) -> str:
+    """Arguments for another ship or control than the default ones."""
+    scenario = card["config"]["scenario"]
+    default = {"ship": "kcs", "control": "rudder"}
+    return "".join(f" --{k} {scenario[k]}" for k, v in default.items() if scenario[k] != v)
