@@ -9,7 +9,7 @@ usage() {
 Usage: bash scripts/quickstart.sh [--short]
 
 Makes a virtual environment (.venv) if needed, trains a heading autopilot for the container ship
-KCS in waves for two minutes, evaluates it, records a voyage and simulates a turning circle.
+KCS for two minutes, evaluates it, records a voyage and simulates a turning circle.
 Everything lands in runs/quickstart; what an earlier run left there moves to
 runs/quickstart.previous.
 

@@ -23,9 +23,9 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import history_columns
 from ship_gym.tasks.heading import REWARD_TERMS
 
-# Episode seeds: training draws from [0, 400_000) and validates from there on (agents/sb3), gains and
-# hyperparameters are tuned on [TUNING_SEED, EVALUATION_SEED), and nothing but an evaluation uses
-# EVALUATION_SEED and above. The hyperparameters of PPO were chosen with a look at seeds from
+# Episode seeds: training draws from [0, 400_000) and validates from there on (agents/sb3), gains
+# and hyperparameters are tuned on [TUNING_SEED, EVALUATION_SEED), and nothing but an evaluation
+# uses EVALUATION_SEED and above. The hyperparameters of PPO were chosen with a look at seeds from
 # 1_000_000 on, so the evaluation lies above those.
 TUNING_SEED = 500_000
 EVALUATION_SEED = 2_000_000
