@@ -14,16 +14,22 @@ from ship_gym.config import ConfigError, check_known
 from ship_gym.evaluation.controller import ConstantController, Controller
 
 CONTROLLERS: dict[str, Callable[[], Controller]] = {"constant": ConstantController, "pid": PID}
+PRETRAINED = Path(__file__).parent / "pretrained"
+
+
+def pretrained() -> list[str]:
+    """Names of the policies that come with the checkout; their card is in the file."""
+    return sorted(path.stem for path in PRETRAINED.glob("*.zip"))
 
 
 def make_controller(name_or_path: str | Path) -> Controller:
-    """A controller by name, a trained policy from its folder or file, or a PID from its gains.
+    """A controller or shipped policy by name, a trained policy by path, or a PID by its gains.
 
     Parameters
     ----------
     name_or_path : str or path
-        A key of `CONTROLLERS`; the path of a ``.toml`` file of PID gains; or the folder or
-        ``.zip`` file of a policy trained by ``scripts/train.py``.
+        A key of `CONTROLLERS`; one of `pretrained()`; the path of a ``.toml`` file of PID gains;
+        or the folder or ``.zip`` file of a policy trained by ``scripts/train.py``.
 
     Raises
     ------
@@ -31,6 +37,8 @@ def make_controller(name_or_path: str | Path) -> Controller:
         Unknown name (with the nearest one), no such file, or a file that is none of these.
     """
     name, path = str(name_or_path), Path(name_or_path)
+    if name in pretrained():
+        path = PRETRAINED / f"{name}.zip"
     if path.suffix == ".toml":
         return PID(load_gains(path).gains, name=path.stem)
     if name not in CONTROLLERS and path.exists():
@@ -40,4 +48,4 @@ def make_controller(name_or_path: str | Path) -> Controller:
         return load_policy(path)
     if path.suffix or len(path.parts) > 1:
         raise ConfigError(f"{name}: no such policy; train one with: python scripts/train.py")
-    return CONTROLLERS[check_known("controller", name, CONTROLLERS)]()
+    return CONTROLLERS[check_known("controller", name, [*CONTROLLERS, *pretrained()])]()
