@@ -6,7 +6,11 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
+
+# `agents` is not in the wheel; where the checkout is not installed in place, find it there.
+sys.path.append(str(Path(__file__).resolve().parents[1]))
 
 from ship_gym.config import ConfigError
 
