@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,17 @@ def parser(description: str, examples: Sequence[str]) -> argparse.ArgumentParser
     )
     made.add_argument("--json", action="store_true", help="print the result as JSON on stdout")
     return made
+
+
+# library -> extra of ship-gym that brings it, and what for
+_EXTRAS = {"rerun": ("rerun", "recordings"), "matplotlib": ("plot", "pictures")}
+
+
+def need(library: str) -> None:
+    """Refuse, before any work, what a library that is not installed would break off later."""
+    if find_spec(library) is None:
+        extra, purpose = _EXTRAS[library]
+        raise ImportError(f'{purpose} need {library}: pip install "ship-gym[{extra}]"')
 
 
 def run(main: Callable[[], Any]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from _cli import parser, progress, run, show
+from _cli import need, parser, progress, run, show
 
 from ship_gym import load_ship
 from ship_gym.config import read_csv
@@ -59,7 +59,7 @@ def fit(args) -> tuple[dict, str]:
     table = fit_kcs(ship, **choice, order=args.order, samples_path=samples)
     table.save(out)
     if args.plot:
-        from ship_gym.plotting import plot_surrogate  # needs the extra "plot"
+        from ship_gym.plotting import plot_surrogate
 
         rows = read_csv(samples)
         validation = sample_set(rows, *choice.values(), VALIDATION)
@@ -75,6 +75,8 @@ def fit(args) -> tuple[dict, str]:
 
 def main() -> None:
     args = arguments()
+    if args.plot:
+        need("matplotlib")
     if args.install:
         files = install(args.install)
         show(args.json, {"files": files}, "wrote\n  " + "\n  ".join(files))

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from pathlib import Path
 
-from _cli import parser, progress, run, show
+from _cli import need, parser, progress, run, show
 
 from agents import make_controller
 from ship_gym.evaluation import METRICS, metrics, rollout
@@ -33,8 +32,7 @@ def arguments():
 
 def main() -> None:
     args = arguments()
-    if find_spec("rerun") is None:
-        raise ImportError('recordings need rerun: pip install "ship-gym[rerun]"')
+    need("rerun")
     controller = make_controller(args.policy or args.controller)
     env = {"ship": args.ship, "control": args.control}
     sailed = rollout(controller, seeds=[args.seed], progress=progress, **env).trajectory(0)

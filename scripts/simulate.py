@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from _cli import parser, progress, run, show
+from _cli import need, parser, progress, run, show
 
 from ship_gym import load_ship
 from ship_gym.config import ConfigError, check_known
@@ -43,7 +43,7 @@ def arguments():
 
 def write(case: Case, args, number: str) -> list[str]:
     """Write the picture and what else was asked for; return the paths, numbered if several."""
-    from ship_gym.plotting import plot_manoeuvre  # the extra "plot", refused in one line by run()
+    from ship_gym.plotting import plot_manoeuvre
 
     out = args.out or Path("runs") / f"{case.manoeuvre}.png"
     jobs = {out: lambda path: plot_manoeuvre(case, path)}
@@ -64,6 +64,9 @@ def refuse_options(args) -> None:
 
 def main() -> None:
     args = arguments()
+    need("matplotlib")
+    if args.rrd:
+        need("rerun")
     check_known("manoeuvre", args.what, [*MANOEUVRES, "trials"])
     ship = load_ship(args.ship, surrogate=args.surrogate, variant=args.variant)
     options = {k: getattr(args, k) for k in ("delta_deg", "psi_deg", "speed", "n", "sea")}

@@ -29,7 +29,7 @@ def script(monkeypatch, tmp_path, capsys):
         return code, *capsys.readouterr()
 
     yield call
-    for name in ("_cli", "evaluate", "record", "review", "tune"):
+    for name in ("_cli", "evaluate", "fit_surrogate", "record", "review", "simulate", "tune"):
         sys.modules.pop(name, None)
 
 
@@ -129,10 +129,23 @@ def test_review_refuses_other_files(script, tmp_path):
     assert code == 2 and "text.rrd" in err and err.count("\n") == 1
 
 
-def test_record_without_rerun_says_what_to_install(script, monkeypatch, tmp_path):
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    code, _, err = script("record")
-    assert code == 2 and 'pip install "ship-gym[rerun]"' in err
+@pytest.mark.parametrize(
+    ("name", "arguments", "library", "extra"),
+    [
+        ("record", (), "rerun", "rerun"),
+        ("simulate", (), "matplotlib", "plot"),
+        ("simulate", ("--rrd", "a.rrd"), "rerun", "rerun"),
+        ("fit_surrogate", ("--plot", "a.png"), "matplotlib", "plot"),
+    ],
+)
+def test_missing_extra_is_one_line_before_any_work(
+    script, monkeypatch, tmp_path, name, arguments, library, extra
+):
+    cli = importlib.import_module("_cli")
+    there = cli.find_spec
+    monkeypatch.setattr(cli, "find_spec", lambda n: None if n == library else there(n))
+    code, _, err = script(name, *arguments)
+    assert code == 2 and f'pip install "ship-gym[{extra}]"' in err and err.count("\n") == 1
     assert not list(tmp_path.iterdir())
 
 
