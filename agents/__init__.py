@@ -37,15 +37,22 @@ def make_controller(name_or_path: str | Path) -> Controller:
         Unknown name (with the nearest one), no such file, or a file that is none of these.
     """
     name, path = str(name_or_path), Path(name_or_path)
-    if name in pretrained():
-        path = PRETRAINED / f"{name}.zip"
     if path.suffix == ".toml":
         return PID(load_gains(path).gains, name=path.stem)
-    if name not in CONTROLLERS and path.exists():
+    shipped = name in pretrained()
+    if shipped or (name not in CONTROLLERS and path.exists()):
         # Late: `import agents` is light, and an autopilot needs nothing of agents.sb3.
         from agents.sb3.policy import load_policy
 
-        return load_policy(path)
+        policy = load_policy(PRETRAINED / f"{name}.zip" if shipped else path)
+        policy.name = name if shipped else policy.name
+        return policy
     if path.suffix or len(path.parts) > 1:
         raise ConfigError(f"{name}: no such policy; train one with: python scripts/train.py")
     return CONTROLLERS[check_known("controller", name, [*CONTROLLERS, *pretrained()])]()
+
+
+def trained_for(controller: Controller) -> dict[str, str]:
+    """Ship and control that a policy was trained for; empty for other controllers."""
+    scenario = getattr(controller, "card", {}).get("config", {}).get("scenario", {})
+    return {key: scenario[key] for key in ("ship", "control") if key in scenario}

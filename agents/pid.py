@@ -16,12 +16,8 @@ from ship_gym.ships.particulars import Ship
 
 GAINS = Path(__file__).parent / "gains"
 _LARGEST = 1e3
-_SIN, _COS, _RATE, _SWAY = (
-    0,
-    1,
-    2,
-    4,
-)  # columns of the observation, ship_gym.tasks.heading.OBSERVATIONS
+# columns of the observation, ship_gym.tasks.heading.OBSERVATIONS
+_SIN, _COS, _RATE, _SWAY = 0, 1, 2, 4
 
 
 @dataclasses.dataclass(frozen=True)
@@ -88,8 +84,8 @@ def gains_of(ship: Ship) -> Gains:
     path = gains_path(ship.name)
     if not path.is_file():
         raise ConfigError(
-            f"no PID gains for ship {ship.name!r}; tune them with: python scripts/tune.py "
-            f"--ship {ship.name}  (tuned: {', '.join(tuned_ships())})"
+            f"no PID gains for ship {ship.name!r} (tuned: {', '.join(tuned_ships())}); tune them "
+            "with: python scripts/tune.py --ship NAME_OR_FILE"
         )
     return load_gains(path).gains
 

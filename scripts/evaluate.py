@@ -7,7 +7,7 @@ from pathlib import Path
 
 from _cli import parser, progress, run, show
 
-from agents import make_controller
+from agents import make_controller, trained_for
 from ship_gym.evaluation import compare, evaluation_seeds, rollout, table
 from ship_gym.evaluation.rollout import begin
 from ship_gym.provenance import atomic_path
@@ -22,8 +22,9 @@ def arguments():
     p = parser(f"{__doc__} Intervals: 95 % bootstrap over the episodes.", EXAMPLES)
     p.add_argument("--policy", help="folder or file of a trained policy")
     p.add_argument("--controllers", nargs="*", default=["pid", "constant"], help="sail these too")
-    p.add_argument("--ship", help="name or ship file (default: the scenario's, kcs)")
-    p.add_argument("--control", help="rudder (default) or rudder+rpm")
+    p.add_argument("--scenario", default="heading_keeping", help="name or TOML file")
+    p.add_argument("--ship", help="name or ship file (default: the policy's, else the scenario's)")
+    p.add_argument("--control", help="rudder or rudder+rpm (default: the policy's, else rudder)")
     p.add_argument("--episodes", type=int, default=32, help="number of seeds (default 32)")
     p.add_argument(
         "--out", type=Path, help="JSON (default: evaluation.json, in runs or the policy)"
@@ -35,6 +36,7 @@ def arguments():
 def sail(names: list[str], seeds: list[int], **env) -> list:
     """One rollout for each controller, all of them refused before the first one sails."""
     controllers = [make_controller(name) for name in names]
+    env = {**trained_for(controllers[0]), **{k: v for k, v in env.items() if v is not None}}
     start = begin(seeds[:1], **env)
     for controller in controllers:
         controller.reset(1, start.ship, start.scenario)
@@ -48,7 +50,7 @@ def main() -> None:
     args = arguments()
     names = [name for name in (args.policy, *args.controllers) if name]
     seeds = evaluation_seeds(args.episodes)
-    rollouts = sail(names, seeds, ship=args.ship, control=args.control)
+    rollouts = sail(names, seeds, scenario=args.scenario, ship=args.ship, control=args.control)
     sailed = [r.controller for r in rollouts]
     found = compare(rollouts, "pid" if "pid" in sailed else None)
     folder = Path(args.policy) if args.policy and Path(args.policy).is_dir() else Path("runs")
@@ -56,7 +58,9 @@ def main() -> None:
     with atomic_path(out) as temporary:
         temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     following = f"--policy {args.policy}" if args.policy else f"--controller {names[0]}"
-    following += f" --ship {args.ship}" if args.ship else ""
+    for option in ("ship", "control"):
+        value = getattr(args, option)
+        following += f" --{option} {value}" if value else ""
     text = (
         f"{found['ship']}, {len(seeds)} episodes (seeds {seeds[0]} to {seeds[-1]}), interquartile "
         f"mean [95 % interval]; success: mean\n{table(found, args.markdown)}\n\n"

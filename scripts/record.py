@@ -6,7 +6,7 @@ from pathlib import Path
 
 from _cli import need, parser, progress, run, show
 
-from agents import make_controller
+from agents import make_controller, trained_for
 from ship_gym.evaluation import METRICS, metrics, rollout
 from ship_gym.evaluation.rollout import EVALUATION_SEED
 from ship_gym.evaluation.statistics import aligned
@@ -14,7 +14,7 @@ from ship_gym.recording import Trajectory
 
 EXAMPLES = (
     "python scripts/record.py --policy runs/quickstart",
-    "python scripts/record.py --controller pid --ship kvlcc2 --seed 1000007 --out runs/pid.rrd",
+    "python scripts/record.py --controller pid --ship kvlcc2 --seed 2000007 --out runs/pid.rrd",
 )
 
 
@@ -23,8 +23,9 @@ def arguments():
     who = p.add_mutually_exclusive_group()
     who.add_argument("--policy", help="folder or file of a trained policy")
     who.add_argument("--controller", default="pid", help="pid (default) or constant")
-    p.add_argument("--ship", help="name or ship file (default: the scenario's, kcs)")
-    p.add_argument("--control", help="rudder (default) or rudder+rpm")
+    p.add_argument("--scenario", default="heading_keeping", help="name or TOML file")
+    p.add_argument("--ship", help="name or ship file (default: the policy's, else the scenario's)")
+    p.add_argument("--control", help="rudder or rudder+rpm (default: the policy's, else rudder)")
     p.add_argument("--seed", type=int, default=EVALUATION_SEED, help=f"default {EVALUATION_SEED}")
     p.add_argument("--out", type=Path, default=Path("runs/rollout.rrd"), help="file to write")
     return p.parse_args()
@@ -34,7 +35,8 @@ def main() -> None:
     args = arguments()
     need("rerun")
     controller = make_controller(args.policy or args.controller)
-    env = {"ship": args.ship, "control": args.control}
+    given = {k: getattr(args, k) for k in ("scenario", "ship", "control")}
+    env = {**trained_for(controller), **{k: v for k, v in given.items() if v is not None}}
     sailed = rollout(controller, seeds=[args.seed], progress=progress, **env).trajectory(0)
     sailed.to_rrd(args.out)
     found = metrics(Trajectory.from_rrd(args.out))

@@ -18,6 +18,7 @@ EXAMPLES = (
 
 def main() -> None:
     args = parser(__doc__, EXAMPLES)
+    args.add_argument("--scenario", help="name or TOML file (default heading_keeping)")
     args.add_argument("--ship", help="name or ship file (default: the scenario's, kcs)")
     args.add_argument("--control", help="rudder (default) or rudder+rpm")
     args.add_argument("--algorithm", help="ppo (default), sac or td3")

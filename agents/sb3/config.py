@@ -91,8 +91,23 @@ class PPOOptions:
     def __post_init__(self):
         for name in ("n_steps", "batch_size", "n_epochs"):
             check_number(f"algorithm.{name}", getattr(self, name), 1, 1e7)
+        if self.batch_size < 2:
+            raise ConfigError("algorithm.batch_size = 1: allowed is 2 and more")
+        for name in ("gae_lambda", "clip_range"):
+            check_number(f"algorithm.{name}", getattr(self, name), 0.0, 1.0)
+        for name in ("ent_coef", "vf_coef", "max_grad_norm"):
+            check_number(f"algorithm.{name}", getattr(self, name), 0.0, 1e3)
         for name in ("log_std_init", "log_std_final"):
             check_number(f"algorithm.{name}", getattr(self, name), -10.0, 2.0)
+
+
+def _check_off_policy(options: SACOptions | TD3Options) -> None:
+    """Refuse options that no replay buffer can serve."""
+    for name in ("buffer_size", "batch_size", "train_freq", "gradient_steps"):
+        low = -1 if name == "gradient_steps" else 1  # -1: as many as samples
+        check_number(f"algorithm.{name}", getattr(options, name), low, 1e8)
+    check_number("algorithm.learning_starts", options.learning_starts, 0, options.buffer_size)
+    check_number("algorithm.tau", options.tau, 0.0, 1.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -106,6 +121,9 @@ class SACOptions:
     train_freq: int
     gradient_steps: int
 
+    def __post_init__(self):
+        _check_off_policy(self)
+
 
 @dataclasses.dataclass(frozen=True)
 class TD3Options:
@@ -117,6 +135,10 @@ class TD3Options:
     tau: float
     train_freq: int
     gradient_steps: int
+
+    def __post_init__(self):
+        _check_off_policy(self)
+
     policy_delay: int
     action_noise: float
 

@@ -107,6 +107,7 @@ class _Run:
         resume: bool,
     ):
         self.config, self.out = config, out
+        _compile_kernels(config.scenario)
         self.validations: list[dict[str, float]] = []
         self.best: SB3Policy | None = None
         card = self._earlier(resume)
@@ -121,7 +122,13 @@ class _Run:
                     f"{out}: its budget is used up ({card['samples']} samples, "
                     f"{card['seconds'] / 60.0:.2f} min); give more minutes or steps in all"
                 )
+            self._renew_noise()
         self._seed_episodes()
+
+    def _renew_noise(self) -> None:
+        """Other random numbers than in the earlier part of the run, which began with the seed."""
+        generator = np.random.default_rng([self.config.seed, self.model.num_timesteps, 1])
+        self.model.set_random_seed(int(generator.integers(2**31)))
 
     def _earlier(self, resume: bool) -> dict[str, Any] | None:
         """Card of the run to resume; None for a new one."""
@@ -235,6 +242,13 @@ def validate(policy: SB3Policy, scenario: Scenario) -> dict[str, float]:
     found = [metrics(episode) for episode in rollout(policy, scenario, seeds=seeds).episodes]
     names = {"J": "J_0.1", "return": "return", "success": "success"}
     return {k: float(np.mean([m[name] for m in found])) for k, name in names.items()}
+
+
+def _compile_kernels(scenario: Scenario) -> None:
+    """Step once before the clock runs: the first step after installation compiles for seconds."""
+    env = ShipVecEnv(1, scenario=scenario)
+    env.reset()
+    env.step(np.zeros((1, *env.action_space.shape)))
 
 
 @contextlib.contextmanager

@@ -80,6 +80,11 @@ def metrics(trajectory: Trajectory) -> dict[str, float]:
     ConfigError
         A recording of something else.
     """
+    if not isinstance(trajectory, Trajectory):
+        raise ConfigError(
+            f"metrics of a {type(trajectory).__name__}: needs a Trajectory, for example "
+            "rollout.trajectory(0)"
+        )
     _check(trajectory)
     meta = trajectory.meta
     time = trajectory["t"] * math.sqrt(meta["ship"]["scale"])
@@ -179,8 +184,8 @@ def _rudder_use(trajectory: Trajectory, hours: float) -> dict[str, float]:
     delta = trajectory["delta"]
     angle, hard_over = np.degrees(delta), SATURATED * trajectory.meta["ship"]["delta_max"]
     return {
-        "rudder_travel": float(np.abs(np.diff(angle)).sum()) / hours,
-        "rudder_reversals": reversals(angle) / hours,
+        "rudder_travel": float(np.abs(np.diff(angle)).sum() / hours),
+        "rudder_reversals": float(reversals(angle) / hours),
         "saturation": float(np.mean(np.abs(delta[1:]) >= hard_over)),
     }
 

@@ -197,6 +197,11 @@ def rollout(
     Rollout
     """
     env = {"ship": ship, "control": control, "surrogate": surrogate, "overrides": overrides}
+    if not isinstance(controller, Controller):
+        missing = [k for k in ("name", "reset", "act") if not hasattr(controller, k)]
+        raise ConfigError(
+            f"{type(controller).__name__} is no controller: it has no {' and no '.join(missing)}"
+        )
     batch = begin(seeds, scenario, parallel=parallel, **env)
     controller.reset(batch.n, batch.ship, batch.scenario)
     log = _Log(batch)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agents import make_controller, pretrained
+from agents import make_controller, pretrained, trained_for
 from agents.pid import PID
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import evaluation_seeds, metrics, rollout
@@ -22,6 +22,8 @@ def test_two_minutes_of_training_come_within_ten_percent_of_the_pid(name):
     assert J < 1.10 * mean_cost(PID(), seeds)
     assert J < 0.1 * mean_cost(ConstantController(), seeds)
     card = policy.card
+    assert policy.name == name
+    assert trained_for(policy) == {"ship": "kcs", "control": "rudder"} and trained_for(PID()) == {}
     assert card["config"]["seed"] == 0 and card["seconds"] < 130.0
     assert "torch" in card["versions"] and len(card["git_commit"]) >= 40
 

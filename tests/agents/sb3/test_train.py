@@ -18,7 +18,7 @@ pytest.importorskip("stable_baselines3")
 
 import torch
 
-from agents.sb3.algorithms import load_checkpoint
+from agents.sb3.algorithms import explore
 from agents.sb3.train import VALIDATION_SEED, _Run, train, validate
 
 TINY = {
@@ -99,23 +99,103 @@ def test_saved_policy_gives_the_same_actions(made, tmp_path):
     np.testing.assert_allclose(rows, again.act(OBSERVATIONS), atol=1e-12)
 
 
+def same_state(one, two):
+    """Whether two models have the same weights, optimisers, entropy and normalisers."""
+    a, b = one.get_parameters(), two.get_parameters()
+    assert a.keys() == b.keys()
+    for key in a:
+        left, right = (torch.nn.utils.parameters_to_vector(_tensors(p[key])) for p in (a, b))
+        assert torch.equal(left, right), key
+    for name in ("obs_rms", "ret_rms"):
+        left, right = (getattr(m.get_vec_normalize_env(), name) for m in (one, two))
+        np.testing.assert_array_equal(left.mean, right.mean)
+        np.testing.assert_array_equal(left.var, right.var)
+        assert left.count == right.count
+
+
+def _tensors(state):
+    """All tensors of a nested state, flat and as float."""
+    if isinstance(state, torch.Tensor):
+        return [state.detach().double().flatten()]
+    items = state.values() if isinstance(state, dict) else state
+    if not isinstance(items, list | tuple | type({}.values())):
+        return []
+    return [t for item in items for t in _tensors(item)]
+
+
+@pytest.mark.parametrize("algorithm", ["ppo", "sac", "td3"])
+def test_resume_begins_where_the_run_ended(tmp_path, algorithm):
+    out, config = tmp_path / "run", tiny(algorithm)
+    first = _Run(config, out, None, 256, resume=False)
+    first.learn(None)
+    resumed = _Run(config, out, None, 512, resume=True)
+    same_state(first.model, resumed.model)
+    assert resumed.model.num_timesteps == first.model.num_timesteps >= 256
+    assert resumed.validations == first.validations
+    if algorithm != "ppo":
+        assert resumed.model.replay_buffer.size() == first.model.replay_buffer.size() > 0
+    if algorithm == "sac":
+        assert torch.equal(resumed.model.log_ent_coef, first.model.log_ent_coef)
+
+
 def test_resume_continues(tmp_path):
     out, config = tmp_path / "run", tiny()
-    first = train(config, out, steps=256)
-    before = load_policy(out)
-    resumed = _Run(config, out, None, 512, resume=True)
-    fresh = _Run(config, tmp_path / "fresh", None, 512, resume=False)
-    weights, new = (run.model.policy.action_net.weight for run in (resumed, fresh))
-    state = load_checkpoint(fresh.model, out / "checkpoint")
-    assert resumed.model.num_timesteps == state["samples"] == 256
-    assert torch.equal(weights, new), "the weights come from the checkpoint"
-    assert resumed.model.get_env().obs_rms.count == state["obs_rms"]["count"] > 256
-    assert resumed.model.policy.optimizer.state_dict()["state"], "and so does the optimiser"
+    first, before = train(config, out, steps=256), load_policy(out)
     card = train(config, out, steps=512, resume=True)
     assert card["samples"] == 512 and card["seconds"] > first["seconds"]
     assert card["validations"][:2] == first["validations"] and len(card["validations"]) > 2
     if card["best"] in first["validations"]:
         np.testing.assert_array_equal(load_policy(out).act(OBSERVATIONS), before.act(OBSERVATIONS))
+
+
+def test_a_resumed_run_explores_with_other_noise_and_other_seas(tmp_path):
+    config = tiny()
+    observation = torch.zeros((4, N_OBSERVATIONS))
+
+    def noise(run):
+        policy = run.model.policy
+        actions, *_ = policy(observation)
+        away = actions - policy.get_distribution(observation).mode()
+        return (away / policy.log_std.exp()).detach().numpy()
+
+    run = _Run(config, tmp_path / "run", None, 128, resume=False)
+    seas = list(run.model.get_env().venv._seeds)
+    begin = noise(run)
+    run.learn(None)
+    resumed = _Run(config, tmp_path / "run", None, 256, resume=True)
+    assert not np.allclose(noise(resumed), begin, atol=1e-3)
+    other = _Run(tiny(seed=1), tmp_path / "other", None, 128, resume=False)
+    assert list(resumed.model.get_env().venv._seeds) != seas
+    assert list(other.model.get_env().venv._seeds) != seas
+    assert max(seas) < VALIDATION_SEED and run.model.get_env().venv.stagger
+
+
+def test_noise_narrows_and_the_learning_rate_falls_over_the_budget(tmp_path):
+    config = tiny()
+    run = _Run(config, tmp_path / "run", None, 1000, resume=False)
+    options = config.hyperparameters.algorithm
+    for used in (0.0, 0.5, 1.0):
+        explore(run.model, options, used)
+        expected = (1.0 - used) * options.log_std_init + used * options.log_std_final
+        np.testing.assert_allclose(run.model.policy.log_std.detach().numpy(), expected, rtol=1e-6)
+    run.model.num_timesteps = 500
+    start = config.hyperparameters.training.learning_rate
+    assert run._learning_rate(1.0) == pytest.approx(0.5 * start)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "options", "word"),
+    [
+        ("ppo", {"gae_lambda": -3.0}, "algorithm.gae_lambda = -3"),
+        ("ppo", {"batch_size": 1}, "algorithm.batch_size = 1"),
+        ("sac", {"tau": -1.0}, "algorithm.tau = -1"),
+        ("sac", {"learning_starts": 600, "buffer_size": 500}, "algorithm.learning_starts = 600"),
+    ],
+)
+def test_options_out_of_range_are_refused(algorithm, options, word):
+    with pytest.raises(ConfigError) as error:
+        run_config(algorithm, hyperparameters={"algorithm": options})
+    assert word in str(error.value)
 
 
 def test_interrupted_run_keeps_what_it_had(tmp_path):
