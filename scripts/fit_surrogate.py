@@ -43,11 +43,17 @@ def arguments():
 
 def install(folder: Path) -> list[str]:
     """Fit and write every table that comes with the package."""
-    ship, paths = load_ship("kcs_model", surrogate="none"), []
-    for grid, turbulence in progress(report.SHIPPED, "fitting"):
-        paths.append(folder / f"surrogate_{grid}_{turbulence}.npz")
-        fit_kcs(ship, grid=grid, turbulence=turbulence).save(paths[-1])
-    return [str(path) for path in paths]
+    ship = load_ship("kcs_model", surrogate="none")
+    # all are fitted before the first is written, so that each card names the commit as it was
+    tables = {
+        folder / f"surrogate_{grid}_{turbulence}.npz": fit_kcs(
+            ship, grid=grid, turbulence=turbulence
+        )
+        for grid, turbulence in progress(report.SHIPPED, "fitting")
+    }
+    for path, table in tables.items():
+        table.save(path)
+    return [str(path) for path in tables]
 
 
 def fit(args) -> tuple[dict, str]:
