@@ -1,4 +1,4 @@
-"""Statistics over episodes: interquartile mean, bootstrap interval, paired difference, table."""
+"""Statistics over episodes: interquartile mean, rate, intervals, paired difference, table."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _RATES = ("success",)  # 0 or 1 per episode: their mean is the rate, a trimmed m
 
 @dataclasses.dataclass(frozen=True)
 class Estimate:
-    """A statistic and its 95 % bootstrap interval; None without an interval (one episode)."""
+    """A statistic and its 95 % interval; None without an interval (one episode)."""
 
     value: float
     low: float | None
@@ -61,6 +61,16 @@ def estimate(
         rng=np.random.default_rng(_SEED),
     ).confidence_interval
     return Estimate(value, float(interval.low), float(interval.high))
+
+
+def rate(values: Sequence[float] | np.ndarray) -> Estimate:
+    """Mean of values 0 or 1 with Wilson's 95 % interval, which stays open where all are equal."""
+    values = np.asarray(values, dtype=np.float64)
+    if len(values) < 2:
+        return Estimate(float(values.mean()), None, None)
+    test = stats.binomtest(int(values.sum()), len(values))
+    interval = test.proportion_ci(CONFIDENCE, method="wilson")
+    return Estimate(float(values.mean()), float(interval.low), float(interval.high))
 
 
 def per_episode(rollout: Rollout) -> dict[str, list[float]]:
@@ -104,9 +114,9 @@ def compare(rollouts: Sequence[Rollout], reference: str | None = None) -> dict[s
         "confidence": CONFIDENCE,
         "reference": reference,
         "metrics": {name: metric._asdict() for name, metric in METRICS.items()},
-        "controllers": {name: _estimates(values) for name, values in episodes.items()},
+        "controllers": {name: _estimates(values, rate) for name, values in episodes.items()},
         "differences": {
-            name: _estimates(_minus(values, episodes[reference]))
+            name: _estimates(_minus(values, episodes[reference]), _mean)
             for name, values in episodes.items()
             if name != reference
         },
@@ -135,11 +145,17 @@ def _minus(values: Mapping[str, list[float]], other: Mapping[str, list[float]]):
     return {k: np.subtract(values[k], other[k]).tolist() for k in values}
 
 
-def _estimates(values: Mapping[str, Sequence[float]]) -> dict[str, dict[str, float | None]]:
+def _mean(values: Sequence[float]) -> Estimate:
+    """Mean with its bootstrap interval: what a difference of rates is."""
+    return estimate(values, np.mean)
+
+
+def _estimates(
+    values: Mapping[str, list[float]], of_rates: Callable[[Sequence[float]], Estimate]
+) -> dict[str, dict]:
+    """Estimate of each metric: interquartile mean, or `of_rates` for those that are 0 or 1."""
     return {
-        name: dataclasses.asdict(
-            estimate(column, np.mean if name in _RATES else interquartile_mean)
-        )
+        name: dataclasses.asdict((of_rates if name in _RATES else estimate)(column))
         for name, column in values.items()
     }
 

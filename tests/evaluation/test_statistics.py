@@ -7,7 +7,7 @@ from agents.pid import PID, Gains
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import METRICS, compare, rollout, table
 from ship_gym.evaluation.controller import ConstantController
-from ship_gym.evaluation.statistics import estimate, interquartile_mean
+from ship_gym.evaluation.statistics import estimate, interquartile_mean, rate
 
 SHORT = {"duration": 30.0}
 
@@ -79,3 +79,14 @@ def test_what_cannot_be_compared_is_refused(rollouts):
         compare([rollouts[0], other])
     with pytest.raises(ConfigError, match="did you mean 'pid'"):
         compare(rollouts, "pit")
+
+
+def test_rate_has_wilson_s_interval_also_when_all_are_equal():
+    """Printed example of Newcombe (1998), Stat. Med. 17:857, method 3: 15 of 148 gives these."""
+    found = rate([1.0] * 15 + [0.0] * 133)
+    assert found.value == pytest.approx(15 / 148)
+    assert (found.low, found.high) == pytest.approx((0.0624, 0.1605), abs=5e-5)
+    assert (
+        rate([1.0] * 128).low == pytest.approx(0.9709, abs=1e-4) and rate([1.0] * 128).high == 1.0
+    )
+    assert rate([1.0]).low is None
