@@ -14,7 +14,7 @@ from ship_gym.provenance import provenance
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.particulars import Ship, Trial
-from ship_gym.simulation import ShipSim, history_columns, self_propulsion
+from ship_gym.simulation import ShipSim, history_columns, self_propulsion, through_water
 
 _SAMPLE = 1.0 / 400.0  # output step in L / U0: 0.08 s for KCS at 14.5 kn
 _TURNS = 2.5  # turns sailed in a turning circle; the last one is the steady part
@@ -153,7 +153,7 @@ def _circle_measures(ship: Ship, U0: float, c: dict, trajectory: Trajectory) -> 
 
     first = turned <= 2.0 * math.pi
     last = turned >= turned[-1] - 2.0 * math.pi
-    water_u, water_v = _through_water(c)
+    water_u, water_v = through_water(c)
     U = np.hypot(water_u, water_v)
 
     def steady(values: np.ndarray) -> float:
@@ -282,8 +282,8 @@ class _Run:
         """The history as recording columns."""
         parts = [np.array(part) for part in zip(*self._kept, strict=True)]
         columns = history_columns(*parts)
-        columns["current_north"] = np.full(self.rows, self.sim.seas["V_north"][0])
-        columns["current_east"] = np.full(self.rows, self.sim.seas["V_east"][0])
+        columns["current_speed"] = np.full(self.rows, self.sea.current_speed)
+        columns["current_direction_to"] = np.full(self.rows, self.sea.current_direction_to)
         return columns
 
     def trajectory(self, columns: dict[str, np.ndarray], config: dict[str, Any]) -> Trajectory:
@@ -315,14 +315,6 @@ def ship_meta(ship: Ship) -> dict[str, Any]:
         "delta_max": ship.gear.delta_max,
         "n_max": ship.engine.n_max,
     }
-
-
-def _through_water(c: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Velocities through the water in body axes [m/s]."""
-    cos, sin = np.cos(c["psi"]), np.sin(c["psi"])
-    u_c = c["current_north"] * cos + c["current_east"] * sin
-    v_c = c["current_east"] * cos - c["current_north"] * sin
-    return c["u"] - u_c, c["v"] - v_c
 
 
 def run_trial(ship: Ship, trial: Trial) -> TurningCircle | ZigZag:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.optimize import brentq
@@ -25,6 +25,7 @@ from ship_gym.conventions import (
 )
 from ship_gym.physics.disturbance import set_phases
 from ship_gym.physics.dynamics import forces as ship_forces
+from ship_gym.physics.dynamics import over_ground
 from ship_gym.physics.step import step_batch, step_batch_parallel
 from ship_gym.sea.state import CALM, N_PHASES, Sea, sea_records
 from ship_gym.ships.particulars import Ship
@@ -130,32 +131,22 @@ class ShipSim:
         self.state[:, PSI] = psi
         self.state[:, U] = speeds
         self.state[:, N] = self.self_propulsion(self.state[:, U]) if n is None else n
-        self._add_current()
+        over_ground(self.state, self.seas)
         self.time[:] = 0.0
         draws = [np.random.default_rng(None if seed is None else seed + i) for i in range(self.n)]
         set_phases(self.seas, np.stack([rng.random(N_PHASES) for rng in draws]))
         return self.state
 
-    def _add_current(self) -> None:
-        """Make speed through the water into speed over ground."""
-        c, s = np.cos(self.state[:, PSI]), np.sin(self.state[:, PSI])
-        north, east = self.seas["V_north"], self.seas["V_east"]
-        self.state[:, 0] += north * c + east * s
-        self.state[:, 1] += east * c - north * s
-
     def self_propulsion(self, speed: np.ndarray) -> np.ndarray:
         """Propeller speed [rev/s] of each ship that holds a speed [m/s] on a straight course."""
         found: dict[tuple[int, float], float] = {}
-        for ship, U0 in zip(self.ships, np.broadcast_to(speed, (self.n,)), strict=True):
-            key = (id(ship), float(U0))
+        speeds = []
+        for ship, U0 in zip(self.ships, np.broadcast_to(speed, (self.n,)).tolist(), strict=True):
+            key = (id(ship), U0)
             if key not in found:
-                found[key] = self_propulsion(ship, float(U0))
-        return np.array(
-            [
-                found[id(ship), float(U0)]
-                for ship, U0 in zip(self.ships, np.broadcast_to(speed, (self.n,)), strict=True)
-            ]
-        )
+                found[key] = self_propulsion(ship, U0)
+            speeds.append(found[key])
+        return np.array(speeds)
 
     def step(self, commands: np.ndarray, dt: float | np.ndarray) -> np.ndarray:
         """Hold commands for one interval.
@@ -305,6 +296,19 @@ def history_columns(
             columns[f"{axis}_{component}"] = forces[:, i, k]
     columns.update({name: flow[:, i] for i, name in enumerate(FLOW_NAMES)})
     return {name: np.array(values, dtype=np.float64) for name, values in columns.items()}
+
+
+def through_water(columns: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Surge and sway velocity through the water [m/s] of a recording, shapes (T,).
+
+    Parameters
+    ----------
+    columns : mapping or Trajectory
+        With ``u``, ``v``, ``psi``, ``current_speed`` [m/s] and ``current_direction_to`` [rad].
+    """
+    angle = columns["current_direction_to"] - columns["psi"]
+    speed = columns["current_speed"]
+    return columns["u"] - speed * np.cos(angle), columns["v"] - speed * np.sin(angle)
 
 
 def shaft_power(n: np.ndarray, torque: np.ndarray) -> np.ndarray:

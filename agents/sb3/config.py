@@ -101,43 +101,33 @@ class PPOOptions:
             check_number(f"algorithm.{name}", getattr(self, name), -10.0, 2.0)
 
 
-def _check_off_policy(options: SACOptions | TD3Options) -> None:
-    """Refuse options that no replay buffer can serve."""
-    for name in ("buffer_size", "batch_size", "train_freq", "gradient_steps"):
-        low = -1 if name == "gradient_steps" else 1  # -1: as many as samples
-        check_number(f"algorithm.{name}", getattr(options, name), low, 1e8)
-    check_number("algorithm.learning_starts", options.learning_starts, 0, options.buffer_size)
-    check_number("algorithm.tau", options.tau, 0.0, 1.0)
+@dataclasses.dataclass(frozen=True)
+class OffPolicyOptions:
+    """Arguments that SAC and TD3 of stable-baselines3 share."""
+
+    buffer_size: int
+    learning_starts: int
+    batch_size: int
+    tau: float
+    train_freq: int
+    gradient_steps: int
+
+    def __post_init__(self):
+        for name in ("buffer_size", "batch_size", "train_freq", "gradient_steps"):
+            low = -1 if name == "gradient_steps" else 1  # -1: as many as samples
+            check_number(f"algorithm.{name}", getattr(self, name), low, 1e8)
+        check_number("algorithm.learning_starts", self.learning_starts, 0, self.buffer_size)
+        check_number("algorithm.tau", self.tau, 0.0, 1.0)
 
 
 @dataclasses.dataclass(frozen=True)
-class SACOptions:
+class SACOptions(OffPolicyOptions):
     """Arguments of stable-baselines3's SAC; the entropy coefficient is learned."""
 
-    buffer_size: int
-    learning_starts: int
-    batch_size: int
-    tau: float
-    train_freq: int
-    gradient_steps: int
-
-    def __post_init__(self):
-        _check_off_policy(self)
-
 
 @dataclasses.dataclass(frozen=True)
-class TD3Options:
+class TD3Options(OffPolicyOptions):
     """Arguments of stable-baselines3's TD3, and the standard deviation of its exploration."""
-
-    buffer_size: int
-    learning_starts: int
-    batch_size: int
-    tau: float
-    train_freq: int
-    gradient_steps: int
-
-    def __post_init__(self):
-        _check_off_policy(self)
 
     policy_delay: int
     action_noise: float

@@ -19,6 +19,7 @@ from ship_gym.conventions import (
     U,
 )
 from ship_gym.physics.disturbance import set_phases
+from ship_gym.physics.dynamics import over_ground
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.sea.state import N_PHASES, Sea
 from ship_gym.ships.loader import load_ship
@@ -112,19 +113,16 @@ class EpisodeBatch:
         # The math module, not numpy, so that every batch size gives the same bits.
         north = np.array([V * math.cos(a) for V, a in zip(speed, towards, strict=True)])
         east = np.array([V * math.sin(a) for V, a in zip(speed, towards, strict=True)])
-        psi = order + error
-        cos = np.array([math.cos(a) for a in psi])
-        sin = np.array([math.sin(a) for a in psi])
         seas = sim.seas[which]
         seas["V_north"], seas["V_east"] = north, east
         set_phases(seas, draws[:, 4:])
         sim.seas[which] = seas
         tasks["psi_ordered"][which] = order
         state = np.zeros((len(which), sim.state.shape[1]))
-        state[:, PSI] = psi
-        state[:, U] = self.ship.speed + north * cos + east * sin
-        state[:, 1] = east * cos - north * sin
+        state[:, PSI] = order + error
+        state[:, U] = self.ship.speed
         state[:, N] = tasks["n_order"][which]
+        over_ground(state, seas)
         sim.state[which] = state
         sim.time[which] = 0.0
         sim.forces[which], sim.flow[which] = 0.0, 0.0

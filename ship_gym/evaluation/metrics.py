@@ -16,7 +16,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.recording.trajectory import Trajectory
-from ship_gym.simulation import shaft_power
+from ship_gym.simulation import shaft_power, through_water
 
 SETTLED_DEG = 2.0  # band of the settling time
 DWELL = 60.0  # time to stay in the band [full-scale s]; later disturbances do not count
@@ -188,13 +188,6 @@ def _rudder_use(trajectory: Trajectory, hours: float) -> dict[str, float]:
         "rudder_reversals": float(reversals(angle) / hours),
         "saturation": float(np.mean(np.abs(delta[1:]) >= hard_over)),
     }
-
-
-def through_water(trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray]:
-    """Surge and sway velocity through the water [m/s], shapes (T,)."""
-    speed = trajectory["current_speed"]
-    angle = trajectory["current_direction_to"] - trajectory["psi"]
-    return trajectory["u"] - speed * np.cos(angle), trajectory["v"] - speed * np.sin(angle)
 
 
 def _energy(trajectory: Trajectory) -> float:

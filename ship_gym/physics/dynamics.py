@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from ship_gym.conventions import PSI, U, V
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.hull import hull_forces
 from ship_gym.physics.propeller import (
@@ -66,6 +67,15 @@ def water_velocity(psi, sea):
     """Current in body axes [m/s]: along the bow and to starboard."""
     c, s = math.cos(psi), math.sin(psi)
     return sea.V_north * c + sea.V_east * s, sea.V_east * c - sea.V_north * s
+
+
+@kernel
+def over_ground(states, seas):
+    """Make the velocities of `states` (n, 8) through the water into those over ground, in place."""
+    for i in range(len(states)):
+        u_c, v_c = water_velocity(states[i, PSI], seas[i])
+        states[i, U] += u_c
+        states[i, V] += v_c
 
 
 @kernel
