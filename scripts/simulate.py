@@ -11,6 +11,7 @@ from ship_gym.config import ConfigError, check_known
 from ship_gym.reports import manoeuvre as report
 from ship_gym.reports.case import MANOEUVRES, Case, sail, sail_trial, trials
 
+LOADING_COLOUR = {"turning_circle": "t", "zigzag": "delta"}
 EXAMPLES = (
     "python scripts/simulate.py                                  # KCS model beside its trial",
     "python scripts/simulate.py zigzag --ship kvlcc2_model --delta -20",
@@ -36,6 +37,7 @@ def arguments():
     p.add_argument("--n", type=float, help="[rev/s] (default: the trial's, else self-propulsion)")
     p.add_argument("--sea", default="calm", help="calm (default), current, disturbed, ...")
     p.add_argument("--out", type=Path, help="picture (default runs/turning_circle.png etc.)")
+    p.add_argument("--loading", type=Path, help="also draw the propeller loading t'-q'-n' (PNG)")
     p.add_argument("--csv", type=Path, help="also write the time history")
     p.add_argument("--rrd", type=Path, help="also write a rerun recording")
     return p.parse_args()
@@ -44,10 +46,14 @@ def arguments():
 def write(case: Case, args, number: str) -> list[str]:
     """Write the picture and what else was asked for; return the paths, numbered if several."""
     from ship_gym.plotting import plot_manoeuvre
+    from ship_gym.plotting.loading import plot_loading
 
     out = args.out or Path("runs") / f"{case.manoeuvre}.png"
+    what = {"title": report.title(case), "colour": LOADING_COLOUR[case.manoeuvre]}
+    history = case.result.trajectory
     jobs = {out: lambda path: plot_manoeuvre(case, path)}
-    jobs |= {args.csv: case.result.trajectory.to_csv, args.rrd: case.result.trajectory.to_rrd}
+    jobs |= {args.loading: lambda path: plot_loading(history, case.ship, path, **what)}
+    jobs |= {args.csv: history.to_csv, args.rrd: history.to_rrd}
     paths = {path.with_stem(path.stem + number): job for path, job in jobs.items() if path}
     for path, job in paths.items():
         job(path)
