@@ -9,7 +9,7 @@ import gymnasium as gym
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.envs.episodes import N_ACTIONS, N_DRAWS, EpisodeBatch
+from ship_gym.envs.episodes import N_ACTIONS, EpisodeBatch
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.heading import OBSERVATION_HIGH, OBSERVATION_LOW
@@ -123,9 +123,12 @@ class ShipEnv(gym.Env):
     - `ship`: one of `ship_gym.available_ships()`, the path of a ship file, or a `Ship`. Times and
       current of a model are Froude-scaled.
     - `control`: `"rudder"` or `"rudder+rpm"`.
-    - `surrogate`: one of `ship_gym.available_surrogates(ship)`; the ship's default if None.
+    - `surrogate`: `"regression"`, `"gp"`, `"nn"` or another one of
+      `ship_gym.available_surrogates(ship)`; the ship's default if None.
     - `scenario`: a name of `ship_gym.available_scenarios()`, a TOML file or a mapping.
-    - `overrides`: keys of the scenario, nested or dotted; unknown keys are refused.
+    - `overrides`: keys of the scenario, nested or dotted; unknown keys are refused. With
+      `{"randomisation.surrogate_std": 1.0}` each episode sails another draw from the surrogate's
+      standard deviation; what was drawn is `info["randomisation"]`.
 
     ## Version History
     - v0: first version; current and random disturbance, no seaway yet.
@@ -157,7 +160,7 @@ class ShipEnv(gym.Env):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None):
         """Begin an episode; all its randomness comes from one draw of ``np_random``."""
         super().reset(seed=seed)
-        self.episodes.start(_ALL, self.np_random.random((1, N_DRAWS)))
+        self.episodes.start(_ALL, self.np_random.random((1, self.episodes.n_draws)))
         return self.episodes.observations[0].copy(), self.episodes.info_of(0)
 
     def step(self, action):

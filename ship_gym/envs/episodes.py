@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
+from scipy.special import ndtri
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import (
@@ -30,6 +31,9 @@ from ship_gym.tasks import heading
 N_ACTIONS = {"rudder": 1, "rudder+rpm": 2}
 # uniform numbers of one reset: ordered heading, heading error, current speed and direction, phases
 N_DRAWS = 4 + N_PHASES
+# fields of a ship's surrogate that randomisation draws, and where it cuts the normal distribution
+SURROGATE_DRAWS = ("z_T", "z_Q", "z_S", "z_N", "z_A")
+_CUT = 3.0
 _SATURATED = 0.999
 
 
@@ -54,6 +58,8 @@ class EpisodeBatch:
         Shape (n,), of the last interval.
     terms : numpy.ndarray
         Reward terms, shape (n, 5), order of ``tasks.heading.REWARD_TERMS``.
+    n_draws : int
+        Uniform numbers that the start of one episode needs.
     """
 
     def __init__(
@@ -69,6 +75,10 @@ class EpisodeBatch:
         self.sim = ShipSim(self.ship, n, sea, parallel)
         self.n = n
         self.n_actions = N_ACTIONS[scenario.control]
+        self._surrogate_std = scenario.randomisation.surrogate_std
+        if self._surrogate_std > 0.0:
+            check_has_std(self.ship)
+        self.n_draws = N_DRAWS + (len(SURROGATE_DRAWS) if self._surrogate_std > 0.0 else 0)
         self.dt = scenario.control_interval / self.ship.time_unit
         self.tasks = np.zeros(n, heading.TASK_DTYPE)
         self._fill_tasks()
@@ -102,7 +112,7 @@ class EpisodeBatch:
         which : numpy.ndarray
             Indices of the episodes, shape (m,).
         draws : numpy.ndarray
-            Uniform numbers in [0, 1), shape (m, N_DRAWS): all randomness of the episodes.
+            Uniform numbers in [0, 1), shape (m, n_draws): all randomness of the episodes.
         """
         sim, tasks = self.sim, self.tasks
         order = math.pi * (2.0 * draws[:, 0] - 1.0)
@@ -115,8 +125,12 @@ class EpisodeBatch:
         east = np.array([V * math.sin(a) for V, a in zip(speed, towards, strict=True)])
         seas = sim.seas[which]
         seas["V_north"], seas["V_east"] = north, east
-        set_phases(seas, draws[:, 4:])
+        set_phases(seas, draws[:, 4:N_DRAWS])
         sim.seas[which] = seas
+        if self._surrogate_std > 0.0:
+            z = np.clip(ndtri(draws[:, N_DRAWS:]), -_CUT, _CUT) * self._surrogate_std
+            for name, column in zip(SURROGATE_DRAWS, z.T, strict=True):
+                sim.records["surrogate"][name][which] = column
         tasks["psi_ordered"][which] = order
         state = np.zeros((len(which), sim.state.shape[1]))
         state[:, PSI] = order + error
@@ -139,6 +153,17 @@ class EpisodeBatch:
         heading.observe_batch(
             sim.state, sim.commands, sim.records, sim.seas, self.tasks, self.observations
         )
+
+    def randomisation(self) -> dict[str, np.ndarray]:
+        """What was drawn for the ship of each episode, arrays of shape (n,); empty if it is off.
+
+        ``surrogate.z_T`` and so on: standard deviations by which the surrogate's thrust, torque,
+        propeller side force and the rudder's normal and chordwise force are moved.
+        """
+        if self._surrogate_std == 0.0:
+            return {}
+        drawn = self.sim.records["surrogate"]
+        return {f"surrogate.{name}": drawn[name].copy() for name in SURROGATE_DRAWS}
 
     def step(self, actions: np.ndarray) -> None:
         """Sail one control interval under actions of shape (n, n_actions)."""
@@ -178,12 +203,14 @@ class EpisodeBatch:
             ``flow`` by name, both at the start of the interval; ``psi_ordered`` [rad]; ``time``
             [s]; ``power`` delivered at the propeller [W]; ``extrapolation`` (distance outside the
             surrogate's trained box, 0 inside); the safety ``cost`` (1 where the rudder is
-            saturated or the episode terminated).
+            saturated or the episode terminated); with randomisation also ``randomisation``, what
+            was drawn by name.
         """
         sim = self.sim
         forces, flow, terms = sim.forces.copy(), sim.flow.copy(), self.terms.copy()
         saturated = np.abs(sim.state[:, DELTA]) >= _SATURATED * self.ship.gear.delta_max
-        return {
+        drawn = {"randomisation": self.randomisation()} if self._surrogate_std > 0.0 else {}
+        return drawn | {
             "reward_terms": {k: terms[:, i] for i, k in enumerate(heading.REWARD_TERMS)},
             "forces": {k: forces[:, i] for i, k in enumerate(FORCE_COMPONENTS)},
             "flow": {k: flow[:, i] for i, k in enumerate(FLOW_NAMES)},
@@ -199,7 +226,10 @@ class EpisodeBatch:
         sim, forces, flow = self.sim, self.sim.forces[i].copy(), self.sim.flow[i].tolist()
         delta, n = sim.state[i, DELTA].item(), sim.state[i, N].item()
         saturated = abs(delta) >= _SATURATED * self.ship.gear.delta_max
-        return {
+        drawn = {}
+        if self._surrogate_std > 0.0:
+            drawn = {"randomisation": {k: z[i].item() for k, z in self.randomisation().items()}}
+        return drawn | {
             "reward_terms": dict(zip(heading.REWARD_TERMS, self.terms[i].tolist(), strict=True)),
             "forces": dict(zip(FORCE_COMPONENTS, forces, strict=True)),
             "flow": dict(zip(FLOW_NAMES, flow, strict=True)),
@@ -209,3 +239,23 @@ class EpisodeBatch:
             "extrapolation": flow[FLOW_EXTRAPOLATION],
             "cost": float(saturated or self.terminated[i]),
         }
+
+
+def check_has_std(ship: Ship) -> None:
+    """Refuse to draw from a surrogate that has no standard deviation.
+
+    Raises
+    ------
+    ConfigError
+        The ship has no surrogate, or one made of printed coefficients.
+    """
+    table = ship.surrogate
+    spread = 0.0
+    if table is not None:
+        columns = [i for i, name in enumerate(table.names) if "_std" in name]
+        spread = float(np.abs(table.values[..., columns]).max())
+    if spread == 0.0:
+        raise ConfigError(
+            f"randomisation.surrogate_std: surrogate {ship.surrogate_name!r} of {ship.name} has no "
+            "standard deviation; allowed is 0, or a fitted surrogate such as 'gp'"
+        )

@@ -17,7 +17,7 @@ from ship_gym.envs.env import (
     observation_space,
     resolved_scenario,
 )
-from ship_gym.envs.episodes import N_DRAWS, EpisodeBatch
+from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 
@@ -143,7 +143,7 @@ class ShipVectorEnv(VectorEnv):
 
     def _begin(self, mask: np.ndarray) -> None:
         which = np.flatnonzero(mask)
-        draws = np.stack([self._generators[i].random(N_DRAWS) for i in which])
+        draws = np.stack([self._generators[i].random(self.episodes.n_draws) for i in which])
         self.episodes.start(which, draws)
         self._ended[which] = False
 

@@ -13,7 +13,7 @@ from gymnasium.utils import seeding
 from ship_gym.config import ConfigError, check_number
 from ship_gym.conventions import wrap_angle
 from ship_gym.envs.env import resolved_scenario
-from ship_gym.envs.episodes import N_DRAWS, EpisodeBatch
+from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.evaluation.controller import Controller
 from ship_gym.manoeuvres import ship_meta
 from ship_gym.provenance import provenance
@@ -72,6 +72,8 @@ class Rollout:
         Ordered heading [rad], shape (n,).
     current : numpy.ndarray
         Speed [m/s] and direction it flows to [rad, from north], shape (n, 2).
+    randomisation : dict
+        What was drawn for the ships, by name, shapes (n,); empty if nothing is.
     provenance : dict
     """
 
@@ -84,6 +86,7 @@ class Rollout:
     histories: dict[str, np.ndarray]
     psi_ordered: np.ndarray
     current: np.ndarray
+    randomisation: dict[str, np.ndarray]
     provenance: dict[str, object]
 
     def __len__(self) -> int:
@@ -123,6 +126,7 @@ class Rollout:
             "seed": self.seeds[i],
             "config": self.scenario.to_dict(),
             "ship": ship_meta(self.ship),
+            "randomisation": {k: z[i].item() for k, z in self.randomisation.items()},
             "terminated": terminated,
             "truncated": not terminated,
             **self.provenance,
@@ -159,7 +163,7 @@ def begin(
         raise ConfigError(f"seeds = {list(seeds)}: at least one is needed, none negative")
     resolved, given = resolved_scenario(scenario, ship, control, surrogate, overrides)
     batch = EpisodeBatch(len(seeds), resolved, given, parallel)
-    draws = [seeding.np_random(int(seed))[0].random(N_DRAWS) for seed in seeds]
+    draws = [seeding.np_random(int(seed))[0].random(batch.n_draws) for seed in seeds]
     batch.start(np.arange(len(seeds)), np.stack(draws))
     return batch
 
@@ -223,6 +227,7 @@ def rollout(
         histories=log.histories,
         psi_ordered=batch.tasks["psi_ordered"].copy(),
         current=np.column_stack([np.hypot(sea["V_north"], sea["V_east"]), towards]),
+        randomisation=batch.randomisation(),
         provenance=provenance(),
     )
 

@@ -51,6 +51,21 @@ class Reward:
 
 
 @dataclasses.dataclass(frozen=True)
+class Randomisation:
+    """What of the ship differs between episodes; everything is off by default.
+
+    Attributes
+    ----------
+    surrogate_std : float
+        Standard deviation of the draws by which thrust, torque, propeller side force and the
+        rudder's two forces are moved, in standard deviations of the surrogate: 1 takes the
+        surrogate at its word, 0 sails its mean.
+    """
+
+    surrogate_std: float = 0.0
+
+
+@dataclasses.dataclass(frozen=True)
 class Scenario:
     """Ship, control, times [full-scale s], start, sea, limits and reward of an environment."""
 
@@ -64,6 +79,7 @@ class Scenario:
     limits: Limits
     reward: Reward
     surrogate: str | None = None
+    randomisation: Randomisation = Randomisation()
 
     def __post_init__(self):
         check_known("task", self.task, TASKS)
@@ -81,6 +97,7 @@ class Scenario:
             check_number(f"sea.{name}", getattr(self.sea, name), 0.0, 1.0)
         check_number("sea.correlation_time", self.sea.correlation_time, 1e-3, 1e3)
         check_number("limits.heading_error_deg", self.limits.heading_error_deg, 1.0, 180.0, "deg")
+        check_number("randomisation.surrogate_std", self.randomisation.surrogate_std, 0.0, 10.0)
         for field in dataclasses.fields(self.reward):
             check_number(f"reward.{field.name}", getattr(self.reward, field.name), 0.0, math.inf)
         if self.start.heading_error_deg >= self.limits.heading_error_deg < 180.0:
