@@ -16,6 +16,8 @@ def tables_of(ship):
 
 def symmetric(ship):
     """The same ship without difference between turns to starboard and to port."""
+    if ship.propellers == 2:  # its two sides are each other's mirror image already
+        return ship
     rudder = dataclasses.replace(ship.rudder, gamma_R_n=ship.rudder.gamma_R_p)
     propeller = dataclasses.replace(ship.propeller, wake_C2_n=ship.propeller.wake_C2_p)
     return dataclasses.replace(ship, rudder=rudder, propeller=propeller)

@@ -17,6 +17,29 @@ from ship_gym.physics.rudder import rudder_forces
 
 
 @kernel
+def unit_forces(motion, controls, drift, ship, tables):
+    """Forces of one propeller with its rudder: the only one, or the starboard one.
+
+    Returns
+    -------
+    propeller, rudder : (float, float, float)
+        X, Y [N], N [N m] at midship.
+    diagnosis : (float, float, float, float, float)
+        beta_P, beta_R [rad], thrust [N], torque [N m], rudder normal force [N].
+    """
+    propeller, race, local = propeller_forces(motion, controls, drift, ship, tables)
+    epsilon, beta_P = local
+    rudder, F_N, beta_R = rudder_forces(motion, controls, drift, race, epsilon, ship, tables)
+    return propeller, rudder, (beta_P, beta_R, race[0], race[2], F_N)
+
+
+@kernel
+def with_mirror_image(starboard, port):
+    """Force of two units from the starboard one's and the port one's in the mirrored ship."""
+    return starboard[0] + port[0], starboard[1] - port[1], starboard[2] - port[2]
+
+
+@kernel
 def forces(motion, controls, ship, tables):
     """Force breakdown of one ship at one instant, without disturbance.
 
@@ -25,7 +48,7 @@ def forces(motion, controls, ship, tables):
     motion : (float, float, float)
         u, v [m/s], r [rad/s] through the water.
     controls : (float, float)
-        Rudder angle [rad], propeller speed [rev/s].
+        Rudder angle [rad], propeller speed [rev/s]; of both, if there are two.
     ship : record
         One ship of ``ship_gym.ships.records``.
     tables : (ndarray, ndarray)
@@ -34,23 +57,27 @@ def forces(motion, controls, ship, tables):
     Returns
     -------
     hull, propeller, rudder : (float, float, float)
-        X, Y [N], N [N m] at midship.
+        X, Y [N], N [N m] at midship, of all propellers and of all rudders together.
     flow : tuple of 7 floats
         J, beta_P, beta_R [rad], thrust [N], torque [N m], rudder normal force [N], extrapolation
-        (``conventions.FLOW_NAMES``).
+        (``conventions.FLOW_NAMES``); forces and torque of all, angles on the centreline.
     """
     u, v, r = motion
     # |u|: astern the drift of wake and rudder is counted from the stern, so that nothing jumps
     # where the ship backs straight; the same as atan2(-v, u) ahead
     drift = (math.sqrt(u * u + v * v), math.atan2(-v, abs(u)))
     on_hull = hull_forces(u, v, r, ship.hull, ship.rho)
-    on_propeller, race, local = propeller_forces(motion, controls, drift, ship, tables)
-    epsilon, beta_P = local
-    on_rudder, F_N, beta_R = rudder_forces(motion, controls, drift, race, epsilon, ship, tables[1])
+    P, R, seen = unit_forces(motion, controls, drift, ship, tables)
+    beta_P, beta_R, T, Q, F_N = seen
+    if ship.propeller.y_P > 0.0:
+        mirrored = (-controls[0], controls[1])
+        P2, R2, seen = unit_forces((u, -v, -r), mirrored, (drift[0], -drift[1]), ship, tables)
+        P, R = with_mirror_image(P, P2), with_mirror_image(R, R2)
+        beta_P, beta_R = 0.5 * (beta_P - seen[0]), 0.5 * (beta_R - seen[1])
+        T, Q, F_N = T + seen[2], Q + seen[3], F_N - seen[4]
     J = advance_ratio(u, controls[1], ship.propeller.D)
     outside = extrapolation(J, beta_P, beta_R, controls[0], ship.surrogate)
-    flow = (J, beta_P, beta_R, race[0], race[2], F_N, outside)
-    return on_hull, on_propeller, on_rudder, flow
+    return on_hull, P, R, (J, beta_P, beta_R, T, Q, F_N, outside)
 
 
 @kernel

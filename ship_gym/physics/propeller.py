@@ -12,8 +12,9 @@ import math
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.interpolate import bilinear, cell, linear
 
-# Channels of ``Ship.surrogate`` (coefficients over the advance angle) and of ``Ship.open_water``.
-C_T, C_Q, C_S, C_N, C_A, TRUST = range(6)
+# Channels of ``Ship.surrogate`` (coefficients over the advance angle) and of ``Ship.open_water``;
+# the standard deviation of channel k < TRUST is channel STD + k.
+C_T, C_Q, C_S, C_N, C_A, TRUST, STD = range(7)
 J_LIMIT = 10.0  # reported advance ratio of a stopped propeller instead of infinity
 
 
@@ -56,6 +57,19 @@ def surrogate_cell(epsilon, beta, surrogate, table):
 
 
 @kernel
+def sampled(table, at, channel, z):
+    """Value of a surrogate's channel, moved by z of its standard deviations."""
+    value = bilinear(table, at, channel)
+    return value + z * bilinear(table, at, STD + channel) if z != 0.0 else value
+
+
+@kernel
+def surrogate_of(side, tables):
+    """Table of the propeller and rudder on the leeward (starboard turn) or windward side."""
+    return tables[1][0] if side > 0.0 else tables[1][1]
+
+
+@kernel
 def surrogate_blend(delta, surrogate):
     """Share of the deflected surrogate, (delta / trained angle)^2 up to 1, and the turn's side."""
     if surrogate.delta <= 0.0:
@@ -66,10 +80,16 @@ def surrogate_blend(delta, surrogate):
 
 @kernel
 def outside_box(J, beta, box):
-    """Distance of (J, beta) from the trained box as a fraction of its size, 0 inside."""
-    dJ = max(box.J_min - J, J - box.J_max) / (box.J_max - box.J_min)
-    dB = max(box.beta_min - beta, beta - box.beta_max) / (box.beta_max - box.beta_min)
-    return max(0.0, dJ, dB)
+    """Distance of (J, beta) from the trained box as a fraction of its size, 0 inside.
+
+    Drift is a direction, so its distance goes the shorter way round: astern is one place.
+    """
+    turn = 2.0 * math.pi
+    below, above = box.beta_min - beta, beta - box.beta_max
+    dB = below if below > 0.0 else above
+    dB = min(dB, turn - (box.beta_max - box.beta_min) - dB)
+    dJ = max(box.J_min - J, J - box.J_max)
+    return max(0.0, dJ / (box.J_max - box.J_min), dB / (box.beta_max - box.beta_min))
 
 
 @kernel
@@ -82,7 +102,7 @@ def advance_ratio(u, n, D):
 
 @kernel
 def propeller_forces(motion, controls, flow, ship, tables):
-    """Thrust, side force and torque of the propeller behind the hull.
+    """Thrust, side force and torque of the propeller, of two the starboard one.
 
     Parameters
     ----------
@@ -94,7 +114,7 @@ def propeller_forces(motion, controls, flow, ship, tables):
         Speed U [m/s] and drift angle atan2(-v, abs(u)) [rad] at midship.
     ship : record
     tables : (ndarray, ndarray)
-        Open-water table (count, 2) and surrogate table (count, count, 6) of this ship.
+        Open-water table (count, 2) and surrogate tables (2, count, count, 11) of this ship.
 
     Returns
     -------
@@ -105,9 +125,10 @@ def propeller_forces(motion, controls, flow, ship, tables):
     local : (float, float)
         Advance angle epsilon of the ship's speed and drift beta_P at the propeller [rad].
     """
-    u, v, r = motion
+    _, v, r = motion
     n = controls[1]
-    p, axis = ship.propeller, ship.open_water
+    p, axis, box = ship.propeller, ship.open_water, ship.surrogate
+    u = motion[0] - p.y_P * r + 0.0  # never -0, whose drift angle would be 180 deg
     ratio = wake(flow, r, p)
     u_A = ratio * u
     water = tables[0]
@@ -116,12 +137,15 @@ def propeller_forces(motion, controls, flow, ship, tables):
     T, Q, S = q * linear(water, i, w, C_T), q * p.D * linear(water, i, w, C_Q), 0.0
     epsilon = advance_angle(u, n, p.D)
     beta_P = math.atan2(-(v + p.x_P * r), u)
-    blend, side = surrogate_blend(controls[0], ship.surrogate)
+    blend, side = surrogate_blend(controls[0], box)
     if blend > 0.0:
-        at = surrogate_cell(epsilon, side * beta_P, ship.surrogate, tables[1])
+        table = surrogate_of(side, tables)
+        at = surrogate_cell(epsilon, side * beta_P, box, table)
         q = advance_pressure(u, n, p, ship.rho)
-        share = blend * bilinear(tables[1], at, TRUST)
-        T += share * (q * bilinear(tables[1], at, C_T) - T)
-        Q += share * (q * p.D * bilinear(tables[1], at, C_Q) - Q)
-        S = -side * share * q * bilinear(tables[1], at, C_S)  # the source's side force is to port
-    return ((1.0 - p.t_P) * T, S, p.x_P * S), (T, ratio, Q), (epsilon, beta_P)
+        share = blend * bilinear(table, at, TRUST)
+        T += share * (q * sampled(table, at, C_T, box.z_T) - T)
+        Q += share * (q * p.D * sampled(table, at, C_Q, box.z_Q) - Q)
+        # the table's side force is to port
+        S = -side * share * q * sampled(table, at, C_S, box.z_S)
+    X = (1.0 - p.t_P) * T
+    return (X, S, p.x_P * S - p.y_P * X), (T, ratio, Q), (epsilon, beta_P)

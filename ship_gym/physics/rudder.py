@@ -9,12 +9,23 @@ import math
 
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.interpolate import bilinear
-from ship_gym.physics.propeller import C_A, C_N, TRUST, surrogate_blend, surrogate_cell
+from ship_gym.physics.propeller import (
+    C_A,
+    C_N,
+    TRUST,
+    sampled,
+    surrogate_blend,
+    surrogate_cell,
+    surrogate_of,
+)
 
 STALL = math.radians(35.0)  # the samples follow sin(alpha) to 33 deg, their largest inflow angle
 SIN_STALL = math.sin(STALL)
 COS_STALL = math.cos(STALL)
 C_N_PLATE = 1.17  # flat plate across the flow, Hoerner (1965) Fluid-Dynamic Drag, ch. 3
+# Beaufoy's formula as Stern et al. (2021) print it: 58.8 kgf s2/m4, and the race of a single screw
+BEAUFOY = 58.8 * 9.80665  # kg/m3
+BEAUFOY_RACE = 1.15
 
 
 @kernel
@@ -85,62 +96,77 @@ def normal_force(direction, u_R, v_R, rudder, rho):
 
 
 @kernel
-def rudder_on_plate(motion, controls, flow, wash, ship, table):
+def beaufoy(U, sin_delta, A_R):
+    """F_N [N] = 58.8 g A_R (1.15 U)^2 sin(delta), Beaufoy's formula in Stern et al. (2021).
+
+    For a single screw and rudder in sea water; U [m/s] is the ship's speed: drift, yaw and
+    propeller load do not enter, so it is a formula to compare with, not to steer by.
+    """
+    U_R = BEAUFOY_RACE * U
+    return BEAUFOY * A_R * U_R * U_R * sin_delta
+
+
+@kernel
+def rudder_on_plate(motion, controls, flow, wash, ship, tables):
     """Normal force F_N and chordwise force F_A on the rudder alone [N], and beta_R.
 
     F_N is the effective-inflow law at this angle, plus a share (delta / trained angle)^2 of what
     the CFD surrogate gives beyond that law at the trained angle. So the trained angle gives the
-    surrogate back exactly (to port: mirrored, plus what the law's two gamma_R differ by), and near
-    amidships the law is left alone.
+    surrogate back exactly (a single one to port: mirrored, plus what the law's two gamma_R differ
+    by; two have a table for each side), and near amidships the law is left alone.
     """
     race, epsilon, direction = wash
-    u, v, r = motion
+    _, v, r = motion
     k, box = ship.rudder, ship.surrogate
+    u = motion[0] - k.y_R * r + 0.0  # never -0, as in `propeller_forces`
+    v_local = v + k.x_R * r
+    beta_R = math.atan2(-v_local, u)
+    if k.beaufoy > 0.0:
+        return beaufoy(flow[0], direction[0], k.A_R), 0.0, beta_R
     u_R = axial_inflow(u, race, ship)
     v_g = lateral_inflow(flow, r, k)
     F_N = normal_force(direction, u_R, straightening(v_g, 1.0, k) * v_g, k, ship.rho)
-    v_local = v + k.x_R * r
-    beta_R = math.atan2(-v_local, u)
     blend, side = surrogate_blend(controls[0], box)
     if blend <= 0.0:
         return F_N, 0.0, beta_R
     trained = (side * box.sin_delta, box.cos_delta)
-    law = normal_force(trained, u_R, straightening(v_g, side, k) * v_g, k, ship.rho)
+    mirror = 1.0 if k.y_R > 0.0 else side
+    law = normal_force(trained, u_R, straightening(v_g, mirror, k) * v_g, k, ship.rho)
+    table = surrogate_of(side, tables)
     at = surrogate_cell(epsilon, side * beta_R, box, table)
     q = race_speed_squared(u, race[0], ship.propeller.D, ship.rho) + v_local * v_local
     q *= 0.5 * ship.rho * box.S_R
     share = blend * bilinear(table, at, TRUST)
-    F_N += share * (side * q * bilinear(table, at, C_N) - law)
-    return F_N, share * q * bilinear(table, at, C_A), beta_R
+    F_N += share * (side * q * sampled(table, at, C_N, box.z_N) - law)
+    return F_N, share * q * sampled(table, at, C_A, box.z_A), beta_R
 
 
 @kernel
-def rudder_forces(motion, controls, flow, race, epsilon, ship, table):
-    """Rudder and hull-rudder interaction forces.
+def rudder_forces(motion, controls, flow, race, epsilon, ship, tables):
+    """Rudder and hull-rudder interaction forces, of two rudders the starboard one's.
 
     Parameters
     ----------
-    motion, controls, flow, ship
+    motion, controls, flow, ship, tables
         As in `propeller_forces`.
     race : (float, float, float)
         Thrust [N], 1 - w_P, torque [N m] from `propeller_forces`.
     epsilon : float
         Advance angle [rad] from `propeller_forces`.
-    table : ndarray
-        Surrogate table (count, count, 6).
 
     Returns
     -------
     force : (float, float, float)
-        X_R = (1 - t_R) F_x, Y_R = (1 + a_H) F_y, N_R = (x_R + a_H x_H) F_y (YY15).
+        X_R = (1 - t_R) F_x, Y_R = (1 + a_H) F_y, N_R = (x_R + a_H x_H) F_y (YY15), of two rudders
+        - y_R X_R in addition.
     F_N, beta_R : float
         Normal force [N], local drift at the rudder [rad].
     """
     k = ship.rudder
     s, c = math.sin(controls[0]), math.cos(controls[0])
     wash = (race, epsilon, (s, c))
-    F_N, F_A, beta_R = rudder_on_plate(motion, controls, flow, wash, ship, table)
-    F_x = -F_N * s + F_A * c
+    F_N, F_A, beta_R = rudder_on_plate(motion, controls, flow, wash, ship, tables)
+    X = (1.0 - k.t_R) * (-F_N * s + F_A * c)
     F_y = -(F_N * c + F_A * s)
-    N = (k.x_R + k.a_H * k.x_H) * F_y
-    return ((1.0 - k.t_R) * F_x, (1.0 + k.a_H) * F_y, N), F_N, beta_R
+    N = (k.x_R + k.a_H * k.x_H) * F_y - k.y_R * X
+    return (X, (1.0 + k.a_H) * F_y, N), F_N, beta_R

@@ -60,7 +60,7 @@ def _step_batch(states, commands, times, clock, ships, seas, water, deflected, f
     clock : ndarray (n, 2)
         Integration step [s] and number of steps of each ship.
     ships, seas : structured ndarray (n,)
-    water, deflected : ndarray (kinds, count, 2), (kinds, count, count, 6)
+    water, deflected : ndarray (kinds, count, 2), (kinds, 2, count, count, 11)
         Tables of each kind of ship; ``ships.kind`` selects.
     forces, flow : ndarray (n, 4, 3), ndarray (n, 7)
         Written: at the start of the interval. Not in a tuple, because numba loses what a parallel

@@ -24,6 +24,7 @@ from ship_gym.config import (
 )
 from ship_gym.provenance import sha256
 from ship_gym.ships.b_series import b_series
+from ship_gym.ships.estimators import estimated_hull
 from ship_gym.ships.open_water import open_water_table
 from ship_gym.ships.particulars import (
     Engine,
@@ -60,6 +61,8 @@ _NEEDED = (
 _TOP = (*_NEEDED, "surrogate", "trial")
 _TOP_UNITS = (("full_length", "m"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", "m/s"))
 _SAME_SHIP = 0.02  # of D / L: rounding of printed particulars
+# rudder formulas in place of a fitted surrogate, with the propeller's open-water curve in the wake
+FORMULAS = ("none", "beaufoy")
 _NUMBER_KEYS = ("value", "unit", "source", "estimated")
 
 
@@ -77,13 +80,14 @@ def available_variants(name: str) -> list[str]:
 
 
 def available_surrogates(name: str) -> list[str]:
-    """Propeller and rudder surrogates of a ship, ``"none"`` (MMG rudder) first."""
+    """Propeller and rudder surrogates of a ship; ``"none"`` (MMG rudder) and Beaufoy's first."""
     folder = _folder(name)
-    base = read_toml(folder / "ship.toml").get("scaled_from")
-    if base:
-        return available_surrogates(base)
+    data = read_toml(folder / "ship.toml")
+    if "scaled_from" in data:
+        return available_surrogates(data["scaled_from"])
+    twin = "y_P" in data["propeller"]
     return [
-        "none",
+        *(FORMULAS[:1] if twin else FORMULAS),
         *sorted(p.stem.removeprefix("surrogate_") for p in folder.glob("surrogate_*.npz")),
     ]
 
@@ -159,8 +163,10 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
             raise ConfigError(f"{path}: missing key {key!r}")
     reader = _Reader(path, data["source"])
     length = reader.number("hull.L", "m", data["hull"].get("L"), math.nan, data["source"])
+    parts = {name: data[name] for name in _SECTIONS}
+    parts["hull"] = _estimated_hull(data["hull"], length, reader)
     sections = {
-        name: reader.section(name, cls, data[name], length) for name, cls in _SECTIONS.items()
+        name: reader.section(name, cls, parts[name], length) for name, cls in _SECTIONS.items()
     }
     top = {
         key: reader.number(key, unit, data[key], length, data["source"]) for key, unit in _TOP_UNITS
@@ -178,6 +184,25 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
         **top,
         **sections,
     )
+
+
+def _estimated_hull(hull: Mapping[str, Any], length: float, reader: _Reader) -> dict[str, Any]:
+    """The section ``hull``, filled up by ``estimators.estimated_hull`` if it asks for that."""
+    hull = dict(hull)
+    wanted = hull.pop("estimate", False)
+    if not isinstance(wanted, bool):
+        raise ConfigError(f"{reader.path}: hull.estimate = {wanted!r}: allowed is true or false")
+    if not wanted:
+        return hull
+    main = {
+        key: reader.number(f"hull.{key}", unit, hull.get(key), length, "")
+        for key, unit in (("L", "m"), ("B", "m"), ("d", "m"), ("volume", "m3"), ("x_G", "m"))
+    }
+    estimates = {
+        key: {"value": value, "unit": "-", "estimated": why}
+        for key, (value, why) in estimated_hull(**main).items()
+    }
+    return {**estimates, **hull}
 
 
 def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
@@ -226,7 +251,8 @@ class _Reader:
                 where = f"{name}.{field.name}"
                 made[field.name] = self.number(where, unit, values[field.name], length, source)
             elif field.default is dataclasses.MISSING:
-                raise ConfigError(f"{self.path}: missing key {name}.{field.name!r}")
+                hint = "; hull.estimate = true fills it up" if name == "hull" else ""
+                raise ConfigError(f"{self.path}: missing key {name}.{field.name!r}{hint}")
         return cls(**made)
 
     def replaced(self, name: str, section: Any, values: Mapping[str, Any], length: float) -> Any:
@@ -329,11 +355,33 @@ def _with_surrogate(ship: Ship, data, folder: Path, name: str, wanted: str | Non
     """Attach a fitted surrogate table and the effective-inflow law that was fitted with it."""
     entry = data.get("surrogate", {})
     wanted = wanted or entry.get("default", "none")
+    if wanted == "regression":  # the family, beside "gp" and "nn"
+        wanted = entry.get("default", "none")
     check_known(f"surrogate of {name}", wanted, available_surrogates(name))
     if wanted == "none":
         return ship
+    if wanted == "beaufoy":
+        return with_beaufoy(ship)
     table = Table.load(folder / f"surrogate_{wanted}.npz")
     return attach_surrogate(ship, table, wanted)
+
+
+def with_beaufoy(ship: Ship) -> Ship:
+    """Ship with Beaufoy's rudder formula (``physics.rudder.beaufoy``), to compare with.
+
+    Raises
+    ------
+    ConfigError
+        The ship has two propellers: the formula's race factor is of a single screw.
+    """
+    if ship.propellers > 1:
+        raise ConfigError(f"{ship.name}: Beaufoy's formula is for one propeller and one rudder")
+    return dataclasses.replace(
+        ship,
+        rudder=dataclasses.replace(ship.rudder, beaufoy=1.0),
+        surrogate_name="beaufoy",
+        sources={**ship.sources, "rudder.beaufoy": "Stern et al. (2021)"},
+    )
 
 
 def attach_surrogate(ship: Ship, table: Table, name: str) -> Ship:
@@ -343,13 +391,14 @@ def attach_surrogate(ship: Ship, table: Table, name: str) -> Ship:
     replaces the MMG rudder whole (area, gradient, height in the race too), also of another hull
     set. The surrogate is the force on the rudder alone, so X_R is its surge force as it stands
     (t_R = 0).
-    The port side keeps the ship's ratio of flow straightening, since the samples are of turns to
-    starboard only.
+    A single rudder keeps the ship's ratio of flow straightening to port, since the samples are of
+    turns to starboard only; of two rudders the leeward and the windward one have their own.
 
     Raises
     ------
     ConfigError
-        The table was made for a ship with another propeller, by its diameter over the length.
+        The table was made for a ship with another propeller, by its diameter over the length, or
+        with another number of propellers.
     """
     for key in ("made_for", "effective_inflow", "domain"):
         if key not in table.card:
@@ -361,7 +410,15 @@ def attach_surrogate(ship: Ship, table: Table, name: str) -> Ship:
             f"surrogate {name} was made for {made['ship']} with D / L = "
             f"{made['D'] / made['L']:.4f}; {ship.name} has {ship.propeller.D / ship.hull.L:.4f}"
         )
-    asymmetry = ship.rudder.gamma_R_n / ship.rudder.gamma_R_p
+    if len(law["gamma_R"]) != ship.propellers:
+        raise ConfigError(
+            f"surrogate {name} was made for {len(law['gamma_R'])} propellers; {ship.name} has "
+            f"{ship.propellers}"
+        )
+    # leeward before windward; to port of a single rudder the ship file's asymmetry
+    gamma_R_p, gamma_R_n = next(iter(law["gamma_R"].values())), list(law["gamma_R"].values())[-1]
+    if ship.propellers == 1:
+        gamma_R_n *= ship.rudder.gamma_R_n / ship.rudder.gamma_R_p
     rudder = dataclasses.replace(
         ship.rudder,
         A_R=made["A_R"] * ratio**2,
@@ -370,8 +427,8 @@ def attach_surrogate(ship: Ship, table: Table, name: str) -> Ship:
         t_R=0.0,
         epsilon=law["epsilon"],
         kappa=law["kappa"],
-        gamma_R_p=law["gamma_R"],
-        gamma_R_n=law["gamma_R"] * asymmetry,
+        gamma_R_p=gamma_R_p,
+        gamma_R_n=gamma_R_n,
     )
     domain = {**table.card["domain"], "S_R": made["A_R"] * ratio**2}
     fitted = f"fitted to the CFD samples of surrogate {name}"

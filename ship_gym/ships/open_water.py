@@ -20,6 +20,14 @@ def starred(K, J):
     return 8.0 / math.pi * K / (J**2 + (0.7 * math.pi) ** 2)
 
 
+def coefficients(table: Table, J: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """K_T and K_Q of an open-water table at advance ratios J, each of J's shape."""
+    J = np.asarray(J, dtype=float)
+    starred_values = table(np.arctan(J / (0.7 * math.pi)))
+    K = starred_values * (math.pi / 8.0 * (J**2 + (0.7 * math.pi) ** 2))[..., None]
+    return K[..., 0], K[..., 1]
+
+
 def continued(polynomial: np.ndarray, J, J_min: float, J_max: float):
     """Polynomial (highest power first) inside [J_min, J_max], its tangents outside."""
     inside = np.clip(J, J_min, J_max)

@@ -63,7 +63,7 @@ class Hull:
 
 @dataclasses.dataclass(frozen=True)
 class Propeller:
-    """One propeller behind the hull."""
+    """One propeller on the centreline, or two alike; forces and torque are of each."""
 
     D: float = quantity("m", "diameter")
     x_P: float = quantity("m", "position, forward of midship positive")
@@ -73,11 +73,16 @@ class Propeller:
     wake_C2_p: float = quantity("-", "their C2 for beta_P > 0", 1.0)
     wake_C2_n: float = quantity("-", "their C2 for beta_P < 0", 1.0)
     wake_beta2: float = quantity("-", "else w_P = w_P0 exp(-wake_beta2 beta_P^2)", 0.0)
+    y_P: float = quantity("m", "distance of each of two from the centreline; 0: one", 0.0)
 
 
 @dataclasses.dataclass(frozen=True)
 class Rudder:
-    """Rudder, its effective-inflow law and its interaction with the hull."""
+    """Rudder, its effective-inflow law and its interaction with the hull.
+
+    Of two rudders the numbers are those of the starboard one (the port one is its mirror image):
+    ``gamma_R_p`` holds for the rudder on the leeward side of a turn, ``gamma_R_n`` to windward.
+    """
 
     A_R: float = quantity("m2", "lateral area of the law")
     f_alpha: float = quantity("-", "gradient of the normal force coefficient")
@@ -91,6 +96,8 @@ class Rudder:
     t_R: float = quantity("-", "steering resistance deduction")
     a_H: float = quantity("-", "rudder force increase by the hull")
     x_H: float = quantity("m", "point of attack of that increase, aft of midship negative")
+    y_R: float = quantity("m", "distance of each of two from the centreline; 0: one", 0.0)
+    beaufoy: float = quantity("-", "1: Beaufoy's formula instead of the effective inflow", 0.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -135,6 +142,11 @@ class Surrogate:
     epsilon_step: float = quantity("rad", "table: step of the advance angle", 1.0)
     beta_start: float = quantity("rad", "table: first drift angle", 0.0)
     beta_step: float = quantity("rad", "table: step of the drift angle", 1.0)
+    z_T: float = quantity("-", "thrust moved by this many standard deviations", 0.0)
+    z_Q: float = quantity("-", "torque moved by this many standard deviations", 0.0)
+    z_S: float = quantity("-", "propeller side force moved by this many", 0.0)
+    z_N: float = quantity("-", "rudder normal force moved by this many", 0.0)
+    z_A: float = quantity("-", "rudder chordwise force moved by this many", 0.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -206,6 +218,11 @@ class Ship:
     def mass(self) -> float:
         """Displacement mass [kg]."""
         return self.rho * self.hull.volume
+
+    @property
+    def propellers(self) -> int:
+        """1 on the centreline or 2."""
+        return 2 if self.propeller.y_P > 0.0 else 1
 
     @property
     def inertia(self) -> Inertia:

@@ -31,8 +31,15 @@ SECTIONS = {
     "open_water": OpenWater,
     "surrogate": Surrogate,
 }
-# thrust, torque, side force (to port), rudder normal force, rudder chordwise force, weight
-SURROGATE_NAMES = ("C_T", "C_Q", "C_S", "C_N", "C_A", "trust")
+# thrust, torque, side force (to port), rudder normal and chordwise force, weight; then the standard
+# deviations of the first five
+STD_CHANNELS = ("C_T_std", "C_Q_std", "C_S_std", "C_N_std", "C_A_std")
+CHANNELS = ("C_T", "C_Q", "C_S", "C_N", "C_A", "trust", *STD_CHANNELS)
+
+
+def surrogate_names(units: int) -> tuple[str, ...]:
+    """Names of a surrogate table of one or two propellers; of two, the leeward one comes first."""
+    return CHANNELS if units == 1 else (*CHANNELS, *(f"{name} windward" for name in CHANNELS))
 
 
 def _section_dtype(cls: type) -> np.dtype:
@@ -52,8 +59,8 @@ def surrogate_section(table: Table | None) -> Surrogate:
     """Axes and trained box of a surrogate table; all zero without one."""
     if table is None:
         return Surrogate()
-    if table.names != SURROGATE_NAMES or len(table.axes) != 2:
-        raise ConfigError(f"surrogate table has {table.names}, needs {SURROGATE_NAMES}")
+    if table.names not in (surrogate_names(1), surrogate_names(2)) or len(table.axes) != 2:
+        raise ConfigError(f"surrogate table has {table.names}, needs {CHANNELS}, fit it again")
     epsilon, beta = table.axes
     return Surrogate(
         **table.card["domain"],
@@ -75,7 +82,8 @@ class Fleet:
     records : numpy.ndarray
         SHIP_DTYPE, shape (n,). Domain randomisation is a write to one of its columns.
     water, deflected : numpy.ndarray
-        Tables of each kind of ship, shapes (kinds, count, 2) and (kinds, count, count, 6).
+        Tables of each kind of ship, shapes (kinds, count, 2) and (kinds, 2, count, count, 11): the
+        only propeller and rudder or, of two, the leeward and the windward one.
     """
 
     records: np.ndarray
@@ -96,10 +104,17 @@ def fleet(ships: list[Ship]) -> Fleet:
         else:
             records[i] = records[rows[id(ship)]]
     water = _stacked([ship.open_water.values for ship in kinds], "open-water")
-    present = [ship.surrogate.values for ship in kinds if ship.surrogate is not None]
-    blank = np.zeros_like(present[0]) if present else np.zeros((2, 2, len(SURROGATE_NAMES)))
-    tables = [blank if ship.surrogate is None else ship.surrogate.values for ship in kinds]
+    present = [_by_unit(ship.surrogate) for ship in kinds if ship.surrogate is not None]
+    blank = np.zeros_like(present[0]) if present else np.zeros((2, 2, 2, len(CHANNELS)))
+    tables = [blank if ship.surrogate is None else _by_unit(ship.surrogate) for ship in kinds]
     return Fleet(records, water, _stacked(tables, "surrogate"))
+
+
+def _by_unit(table: Table) -> np.ndarray:
+    """Values as (2, count, count, 11), leeward before windward; a single one stands in both."""
+    units = len(table.names) // len(CHANNELS)
+    parts = np.split(table.values, units, axis=-1)
+    return np.stack([parts[0], parts[-1]])
 
 
 def _fill(record: np.record, ship: Ship, kind: int) -> None:

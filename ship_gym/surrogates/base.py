@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -16,6 +16,9 @@ class SurrogateModel(Protocol):
 
     def predict(self, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Mean and standard deviation at inputs X, each of shape (n,)."""
+
+    def describe(self) -> dict[str, Any]:
+        """What was fitted, as plain data for the card of a table."""
 
 
 def percent_error(truth: np.ndarray, model: np.ndarray) -> np.ndarray:

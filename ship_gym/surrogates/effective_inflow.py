@@ -15,7 +15,7 @@ from ship_gym.ships.records import fleet
 
 @dataclasses.dataclass(frozen=True)
 class RudderSamples:
-    """Forces on the rudder in pure drift at one angle, in the source's axes (y to port).
+    """Forces on a rudder in pure drift of a turn to starboard at one angle, y to port.
 
     Attributes
     ----------
@@ -66,38 +66,49 @@ def law_coefficients(samples: RudderSamples, record: np.record) -> np.ndarray:
     return result
 
 
-def fit_effective_inflow(samples: RudderSamples, ship: Ship) -> dict[str, object]:
+def fit_effective_inflow(sides: dict[str, RudderSamples], ship: Ship) -> dict[str, object]:
     """Fit epsilon, kappa and gamma_R of the law to samples by relative least squares.
 
-    The remaining constants (f_alpha, eta, wake) are the ship's own.
+    Two rudders share epsilon and kappa; each has its own gamma_R. The remaining constants (f_alpha,
+    eta, wake) are the ship's own.
 
     Parameters
     ----------
-    samples : RudderSamples
+    sides : dict
+        Name of each rudder (``samples.SINGLE``; or ``LEEWARD`` and ``WINDWARD``) to its samples.
     ship : Ship
         Without surrogate; its wake must be of the Gaussian kind (``wake_C1 = 0``).
 
     Returns
     -------
     dict
-        epsilon, kappa, gamma_R and the relative errors [%] at the samples.
+        epsilon, kappa, ``gamma_R`` and ``errors_percent`` at the samples by rudder, and the mean of
+        their sizes.
     """
     record = fleet([ship]).records[0].copy()
-    measured, _ = rudder_frame(samples.C_Fx, samples.C_Fy, samples.delta)
+    measured = [rudder_frame(s.C_Fx, s.C_Fy, s.delta)[0] for s in sides.values()]
 
     def relative(p):
         record.rudder["epsilon"], record.rudder["kappa"] = p[0], p[1]
-        record.rudder["gamma_R_p"] = p[2]
-        return law_coefficients(samples, record) / measured - 1.0
+        parts = []
+        for samples, C_N, gamma_R in zip(sides.values(), measured, p[2:], strict=True):
+            record.rudder["gamma_R_p"] = gamma_R
+            parts.append(law_coefficients(samples, record) / C_N - 1.0)
+        return np.concatenate(parts)
 
-    start = [ship.rudder.epsilon, ship.rudder.kappa, ship.rudder.gamma_R_p]
-    found = least_squares(relative, start, bounds=([0.3, 0.0, 0.0], [2.0, 1.5, 1.5]))
-    epsilon, kappa, gamma_R = (float(p) for p in found.x)
+    count = len(sides)
+    start = [ship.rudder.epsilon, ship.rudder.kappa, *[ship.rudder.gamma_R_p] * count]
+    bounds = ([0.3, 0.0] + [0.0] * count, [2.0, 1.5] + [1.5] * count)
+    found = least_squares(relative, start, bounds=bounds)
     errors = 100.0 * relative(found.x)
+    ends = np.cumsum([len(C_N) for C_N in measured])[:-1]
     return {
-        "epsilon": epsilon,
-        "kappa": kappa,
-        "gamma_R": gamma_R,
-        "errors_percent": [round(float(e), 3) for e in errors],
+        "epsilon": float(found.x[0]),
+        "kappa": float(found.x[1]),
+        "gamma_R": {side: float(g) for side, g in zip(sides, found.x[2:], strict=True)},
+        "errors_percent": {
+            side: [round(float(e), 3) for e in part]
+            for side, part in zip(sides, np.split(errors, ends), strict=True)
+        },
         "mean_abs_error_percent": float(np.abs(errors).mean()),
     }

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from ship_gym.physics.dynamics import forces
@@ -46,10 +46,10 @@ def coefficients(J, beta):
 @pytest.mark.parametrize("beta_deg", [0.0, 10.0, 25.0, 45.0])
 def test_trained_angle_gives_the_regression_back(J, beta_deg):
     beta = math.radians(beta_deg)
-    stored = load_ship("kcs_model").surrogate.card["coefficients"]
+    stored = load_ship("kcs_model").surrogate.card["models"]["single"]
     X = np.array([[J, beta]])
     names = ("K_T", "10K_Q", "K_S", "C_Fx", "C_Fy")
-    expected = [Regression(coefficients=stored[k]).predict(X)[0][0] for k in names]
+    expected = [Regression(coefficients=stored[k]["coefficients"]).predict(X)[0][0] for k in names]
     np.testing.assert_allclose(coefficients(J, beta), expected, atol=1e-3)
 
 
@@ -95,6 +95,8 @@ def test_momentum_theory_has_the_root():
     st.floats(-D35, D35),
     st.floats(0.0, 30.0),
 )
+@example("kcs", -1.0, 0.0, 0.0, 0.5, 1.0)  # straight astern: a drift of 180 deg on either side
+@example("kcs", -0.0, 0.0, 0.0, 0.5, 0.0)
 def test_finite_everywhere_and_mirror_symmetric(name, u, v, r, delta, n):
     record, tables = MIRRORED[name]
     one = forces((u, v, r), (delta, n), record, tables)

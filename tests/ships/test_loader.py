@@ -1,3 +1,4 @@
+import dataclasses
 import math
 import pickle
 import shutil
@@ -6,7 +7,7 @@ import pytest
 
 from ship_gym.config import ConfigError
 from ship_gym.ships import available_surrogates, available_variants, load_ship
-from ship_gym.ships.loader import DATA, attach_surrogate
+from ship_gym.ships.loader import DATA, attach_surrogate, with_beaufoy
 
 
 def test_every_number_has_a_source(ship):
@@ -48,7 +49,7 @@ def test_the_surrogate_replaces_the_law_by_the_one_fitted_with_it():
     assert ship.rudder.t_R == 0.0
     # the samples are of starboard turns; the port side keeps the ship's own ratio
     ratio = bare.rudder.gamma_R_n / bare.rudder.gamma_R_p
-    assert ship.rudder.gamma_R_n == pytest.approx(law["gamma_R"] * ratio)
+    assert ship.rudder.gamma_R_n == pytest.approx(law["gamma_R"]["single"] * ratio)
     assert "CFD samples" in ship.sources["rudder.kappa"]
 
 
@@ -87,8 +88,44 @@ def test_unknown_names(call, word):
 
 
 def test_surrogates_of_every_ship():
-    assert available_surrogates("kcs") == ["none", "G1_SA", "G2_SA", "G2_SST", "G3_SA"]
-    assert available_surrogates("kvlcc2") == ["none"]
+    fitted = ["G1_SA", "G2_SA", "G2_SST", "G3_SA", "gp", "nn"]
+    assert available_surrogates("kcs") == ["none", "beaufoy", *fitted]
+    assert available_surrogates("onrt") == ["none", "G2_SA", "G2_SST", "G3_SA", "gp", "nn"]
+    assert available_surrogates("kvlcc2") == ["none", "beaufoy"]
+
+
+def test_the_family_regression_is_the_ships_default():
+    assert load_ship("kcs", surrogate="regression").surrogate_name == "G2_SA"
+    assert load_ship("kvlcc2", surrogate="regression").surrogate is None
+
+
+def test_beaufoys_formula_is_for_one_rudder():
+    assert load_ship("kcs", surrogate="beaufoy").rudder.beaufoy == 1.0
+    with pytest.raises(ConfigError, match="one propeller and one rudder"):
+        with_beaufoy(load_ship("onrt_model", surrogate="none"))
+
+
+def test_a_surrogate_knows_for_how_many_propellers_it_was_made():
+    ship = load_ship("onrt_model", surrogate="none")
+    single = dataclasses.replace(ship, propeller=dataclasses.replace(ship.propeller, y_P=0.0))
+    with pytest.raises(ConfigError, match="made for 2 propellers; onrt_model has 1"):
+        attach_surrogate(single, load_ship("onrt_model").surrogate, "G2_SA")
+
+
+def test_hull_estimate_fills_up_and_marks_what_a_file_leaves_out(own_ship):
+    text = own_ship.read_text()
+    own_ship.write_text(text.replace("N_vvr = -0.294\n", ""))
+    with pytest.raises(ConfigError, match=r"missing key hull.'N_vvr'; hull.estimate = true"):
+        load_ship(str(own_ship))
+    own_ship.write_text(own_ship.read_text().replace("[hull]", "[hull]\nestimate = true"))
+    ship = load_ship(str(own_ship))
+    C_b = ship.hull.volume / (ship.hull.L * ship.hull.B * ship.hull.d)
+    assert ship.hull.N_vvr == pytest.approx(1.55 * C_b * 1.27 / 7.0 - 0.76)
+    assert ship.estimated["hull.N_vvr"] == "Yoshimura & Masumoto (2012)"
+    assert ship.hull.N_vvv == -0.030 and "hull.N_vvv" not in ship.estimated  # the file's own
+    own_ship.write_text(own_ship.read_text().replace("estimate = true", "estimate = 1"))
+    with pytest.raises(ConfigError, match="allowed is true or false"):
+        load_ship(str(own_ship))
 
 
 @pytest.fixture

@@ -1,0 +1,190 @@
+"""Force samples at points (J, beta) with the rudder held at one angle, and where they come from."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+
+import numpy as np
+
+from ship_gym.config import ConfigError, CsvTable, check_known, read_csv
+
+DATA = Path(__file__).parent / "data"
+SINGLE, LEEWARD, WINDWARD = "single", "leeward", "windward"
+
+
+@dataclasses.dataclass(frozen=True)
+class Samples:
+    """Forces on one propeller and its rudder.
+
+    Attributes
+    ----------
+    path : str
+        File they come from.
+    source : str
+        Publication.
+    points, rows : numpy.ndarray
+        Number of each point and its line in the file, shape (n,).
+    X : numpy.ndarray
+        J [-] and drift angle beta [rad], shape (n, 2).
+    values : dict
+        Quantity to coefficients, shape (n,), in the axes of the source.
+    """
+
+    path: str
+    source: str
+    points: np.ndarray
+    rows: np.ndarray
+    X: np.ndarray
+    values: dict[str, np.ndarray]
+
+    def pick(self, points) -> Samples:
+        """Some points, in the order asked for.
+
+        Raises
+        ------
+        ConfigError
+            A point is missing or there twice.
+        """
+        found = [np.flatnonzero(self.points == point) for point in points]
+        wrong = [int(p) for p, hits in zip(points, found, strict=True) if len(hits) != 1]
+        if wrong:
+            raise ConfigError(f"{self.path}: points {wrong} must be there once")
+        order = np.array([hits[0] for hits in found], dtype=int)
+        values = {name: column[order] for name, column in self.values.items()}
+        return dataclasses.replace(
+            self, points=self.points[order], rows=self.rows[order], X=self.X[order], values=values
+        )
+
+
+@dataclasses.dataclass(frozen=True)
+class DataSet:
+    """A table of samples for one ship, and how its columns and axes are to be read.
+
+    Attributes
+    ----------
+    name, ship : str
+        Its name and the ship it belongs to.
+    path, coefficients : Path
+        Points; regression coefficients that the source prints, if it does.
+    delta : float
+        Size of the rudder angle [rad].
+    thrust : str
+        Column of the axial force coefficient: ``K_T``, or ``K_X`` along the ship's axis.
+    quantities : tuple of str
+        Columns that are fitted.
+    sides : dict
+        Propeller and rudder to their name in the column ``side``: ``single``, or ``leeward`` (on
+        the inner side of the turn) and ``windward``.
+    to_port : bool
+        The samples are of a turn to port: side forces change their sign for a turn to starboard.
+    box : tuple of float
+        Sampled region: J from, to; beta from, to [rad].
+    training, validation : tuple of int
+        Points to fit to and points held out.
+    choices : tuple
+        Grids and turbulence models, the default first; empty without such columns.
+    """
+
+    name: str
+    ship: str
+    path: Path
+    delta: float
+    thrust: str
+    quantities: tuple[str, ...]
+    sides: dict[str, str]
+    box: tuple[float, float, float, float]
+    training: tuple[int, ...]
+    validation: tuple[int, ...]
+    to_port: bool = False
+    coefficients: Path | None = None
+    choices: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def sign(self) -> float:
+        """Factor of side forces and yaw moments to a turn to starboard in the source's axes."""
+        return -1.0 if self.to_port else 1.0
+
+    def read(self, grid: str = "", turbulence: str = "", side: str = SINGLE) -> Samples:
+        """All points of one propeller and rudder on one grid with one turbulence model."""
+        rows = read_csv(self.path)
+        for column, wanted in (("grid", grid), ("turbulence", turbulence)):
+            if wanted:
+                rows.require(column)
+                check_known(f"{column} of {self.name}", wanted, sorted(set(rows.columns[column])))
+        conditions = {"grid": grid, "turbulence": turbulence, "side": self.sides[side]}
+        rows = rows.where(**{k: v for k, v in conditions.items() if v})
+        return samples_of(rows, self.quantities)
+
+    def printed(self, model: str, side: str = SINGLE) -> dict[str, np.ndarray]:
+        """Second-order coefficients that the source prints for a model, e.g. ``"G2_SA"``.
+
+        Returns
+        -------
+        dict
+            Quantity to coefficients, shape (6,), in the order of ``regression.FEATURES``; empty if
+            the source prints none.
+        """
+        if self.coefficients is None:
+            return {}
+        rows = read_csv(self.coefficients)
+        wanted = {"model": model.replace("_", " ") + (" 8" if len(self.sides) > 1 else "")}
+        if self.sides[side]:
+            wanted["side"] = self.sides[side]
+        rows = rows.where(**wanted)
+        if not len(rows.rows):
+            return {}
+        found = {k: rows.columns[k] for k in self.quantities if k in rows.columns}
+        if "-10K_S" in rows.columns:
+            found["K_S"] = -0.1 * rows.columns["-10K_S"]
+        return found
+
+
+def samples_of(rows: CsvTable, quantities) -> Samples:
+    """Samples from the rows of a file; the drift column may be ``beta`` or ``abs(beta)``."""
+    beta = "abs(beta)" if "abs(beta)" in rows.columns else "beta"
+    rows.require("point", "J", beta, *quantities)
+    return Samples(
+        path=rows.path,
+        source=rows.header["source"],
+        points=rows.columns["point"].astype(int),
+        rows=rows.rows,
+        X=np.stack([rows.si("J"), rows.si(beta)], axis=1),
+        values={name: rows.columns[name] for name in quantities},
+    )
+
+
+# Points 1-4 are held out and 5-12 fitted, as in the thesis. The boxes are those of its Latin
+# hypercubes: half a cell beyond the outermost points.
+KCS = DataSet(
+    name="kcs",
+    ship="kcs_model",
+    path=DATA / "kcs_propeller_rudder_cfd.csv",
+    coefficients=DATA / "kcs_regression_coefficients.csv",
+    delta=math.radians(35.0),
+    thrust="K_T",
+    quantities=("K_T", "10K_Q", "C_Fx", "C_Fy"),
+    sides={SINGLE: ""},
+    box=(0.2, 0.9, 0.0, math.radians(45.0)),
+    training=(5, 6, 7, 8, 9, 10, 11, 12),
+    validation=(1, 2, 3, 4),
+    choices=(("G2", "SA"), ("G1", "SA"), ("G2", "SST"), ("G3", "SA")),
+)
+ONRT = DataSet(
+    name="onrt",
+    ship="onrt_model",
+    path=DATA / "onrt_propeller_rudder_cfd.csv",
+    coefficients=DATA / "onrt_regression_coefficients.csv",
+    delta=math.radians(35.0),
+    thrust="K_X",
+    quantities=("K_X", "K_S", "C_Fx", "C_Fy", "C_Mz"),
+    # the samples' turn is to port, so the port propeller is on the inner, leeward side
+    sides={LEEWARD: "port", WINDWARD: "starboard"},
+    box=(0.55, 1.35, 0.0, math.radians(35.0)),
+    training=(5, 6, 7, 8, 9, 10, 11, 12),
+    validation=(1, 2, 3, 4),
+    to_port=True,
+    choices=(("G2", "SA"), ("G1", "SA"), ("G2", "SST"), ("G3", "SA")),
+)
+DATA_SETS = {data.name: data for data in (KCS, ONRT)}
