@@ -1,0 +1,36 @@
+"""Recompute what the sources print of propeller and rudder models, ours beside theirs."""
+
+from __future__ import annotations
+
+from _cli import parser, progress, run, show
+
+from ship_gym.reports import families, rudder_formulas, thesis_tables, unsteady
+
+PARTS = {
+    "thesis": thesis_tables,  # Knight (2021): regression, process, error budget
+    "network": unsteady,  # Knight & Maki (2020): order of the regression, early stopping
+    "rudder": rudder_formulas,  # Stern et al. (2021): Beaufoy's formula and the MMG rudder
+    "families": families,  # turning circles and zig-zags with each family of surrogate
+}
+EXAMPLES = (
+    "python scripts/reproduce.py                  # everything",
+    "python scripts/reproduce.py thesis families",
+    "python scripts/reproduce.py rudder --json > runs/rudder.json",
+)
+
+
+def main() -> None:
+    p = parser(__doc__, EXAMPLES)
+    p.add_argument("parts", nargs="*", metavar="PART", help=f"{', '.join(PARTS)} (default: all)")
+    args = p.parse_args()
+    unknown = [part for part in args.parts if part not in PARTS]
+    if unknown:
+        p.error(f"unknown part {unknown[0]!r}; known: {', '.join(PARTS)}")
+    wanted = args.parts or list(PARTS)
+    data = {part: PARTS[part].as_dict() for part in progress(wanted, "recomputing")}
+    text = "\n\n\n".join(PARTS[part].as_text(data[part]) for part in wanted)
+    show(args.json, data, text)
+
+
+if __name__ == "__main__":
+    run(main)

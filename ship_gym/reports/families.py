@@ -1,0 +1,127 @@
+"""The same manoeuvres of KCS with each family of surrogate, fitted to the same eight points."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ship_gym.reports.case import sail, sail_trial
+from ship_gym.reports.text import paragraph, percent, table
+from ship_gym.ships.loader import load_ship
+from ship_gym.ships.particulars import Ship
+
+FAMILIES = {"regression": "G2_SA", "process": "gp", "network": "nn"}
+TURNING = ("max_advance", "max_transfer", "steady_diameter", "steady_speed_ratio", "steady_thrust")
+# Knight (2021) Table 3.12: free-surface CFD with the eight-point regression on G2, n 10.2 rev/s
+THESIS_CFD = {"max_advance": 3.07, "max_transfer": 3.13, "steady_diameter": 2.70}
+FROUDE_NUMBERS = (0.157, 0.26)
+ZIGZAGS_DEG = (10.0, -10.0, 20.0, -20.0)
+# First and second overshoot [deg] by hull sets A and B with the MMG rudder, as collected in the
+# project's reference ships.md section 1.2 (simulated there, not measured); B has no row at 0.157.
+HULL_SETS = {
+    0.157: {10: [(5.0, 10.3)], -10: [(6.3, 7.8)], 20: [(10.4, 12.5)], -20: [(12.3, 10.7)]},
+    0.26: {
+        10: [(6.1, 12.1), (6.0, 11.0)],
+        -10: [(7.7, 9.3), (7.6, 8.4)],
+        20: [(13.8, 15.9), (13.7, 15.4)],
+        -20: [(16.2, 13.7), (16.1, 13.2)],
+    },
+}
+
+
+def turning(ship: str = "kcs_model") -> dict[str, Any]:
+    """Measures of the 35 deg starboard turn with each family, beside the trial and the CFD.
+
+    Returns
+    -------
+    dict
+        ``trial`` and ``cfd`` by measure; ``families``: family to measures (lengths in L, thrust in
+        N).
+    """
+    found, measured = {}, {}
+    for family, name in FAMILIES.items():
+        loaded = load_ship(ship, surrogate=name)
+        trial = loaded.trials[0]
+        measures = sail_trial(loaded, trial).result.measures()
+        found[family] = {k: measures[k] for k in TURNING}
+        measured = {k: trial.measures[k] for k in TURNING if k in trial.measures}
+    return {"trial": measured, "cfd": THESIS_CFD, "families": found}
+
+
+def overshoots(ship: Ship, angle_deg: float, froude: float) -> list[float]:
+    """First and second overshoot [deg] of a zig-zag with that rudder and heading."""
+    speed = froude * math.sqrt(9.80665 * ship.hull.L)
+    case = sail(ship, "zigzag", delta_deg=angle_deg, psi_deg=angle_deg, speed=speed)
+    return [math.degrees(x) for x in case.result.measures()["overshoots"][:2]]
+
+
+def zigzags(ship: str = "kcs_model") -> list[dict[str, Any]]:
+    """Overshoots [deg] of 10/10 and 20/20 to both sides with each family, beside the hull sets."""
+    ships = {family: load_ship(ship, surrogate=name) for family, name in FAMILIES.items()}
+    return [
+        {
+            "froude": froude,
+            "angle_deg": angle,
+            "hull_sets": HULL_SETS[froude][int(angle)],
+            "families": {k: overshoots(s, angle, froude) for k, s in ships.items()},
+        }
+        for froude in FROUDE_NUMBERS
+        for angle in ZIGZAGS_DEG
+    ]
+
+
+def as_dict() -> dict[str, Any]:
+    """Turning circles and zig-zags as plain data, for ``--json``."""
+    return {"turning": turning(), "zigzag": zigzags()}
+
+
+def as_text(data: dict[str, Any]) -> str:
+    """Turning circles and zig-zags for people, from `as_dict`."""
+    return f"{_turning_text(data['turning'])}\n\n{_zigzag_text(data['zigzag'])}"
+
+
+def _turning_text(data: dict[str, Any]) -> str:
+    cells = []
+    for name in TURNING:
+        trial, cfd = data["trial"].get(name), data["cfd"].get(name)
+        row = [name.replace("_", " "), *(f"{x:.3f}" if x else "" for x in (trial, cfd))]
+        for measures in data["families"].values():
+            value = measures[name]
+            row += [f"{value:.3f}", percent(100.0 * (value / trial - 1.0)) if trial else ""]
+        cells.append(row)
+    header = ["", "trial", "CFD"]
+    for family in data["families"]:
+        header += [family, ""]
+    return "\n".join(
+        [
+            "kcs_model, 35 deg turn to starboard at 0.860 m/s, lengths in L, thrust in N",
+            table(header, cells),
+            paragraph(
+                "trial: SIMMAN 2020 at Hiroshima University. CFD: Knight (2021), free surface, "
+                "with the regression. Percent: of the trial. All three families are fitted to the "
+                "same eight points (grid G2, Spalart-Allmaras)."
+            ),
+        ]
+    )
+
+
+def _zigzag_text(rows: list[dict[str, Any]]) -> str:
+    def pair(values) -> str:
+        return " / ".join(f"{x:.1f}" for x in values)
+
+    cells = [
+        [
+            f"{row['froude']:g}",
+            f"{row['angle_deg']:+g}/{row['angle_deg']:+g}",
+            *(pair(row["families"][family]) for family in FAMILIES),
+            ", ".join(pair(values) for values in row["hull_sets"]),
+        ]
+        for row in rows
+    ]
+    header = ["Fn", "zig-zag", *FAMILIES, "hull sets A, B with MMG rudder"]
+    return "\n".join(
+        [
+            "kcs_model, first / second overshoot [deg]; + first to starboard",
+            table(header, cells, left=2),
+        ]
+    )
