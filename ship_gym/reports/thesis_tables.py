@@ -198,7 +198,7 @@ def _coefficient_text(rows: list[dict[str, Any]]) -> str:
             table([*header, "largest difference"], cells, left=4),
             paragraph(
                 "largest difference: of the two regressions at the training points; the "
-                "coefficients themselves are strongly correlated. The points are printed with three "
+                "coefficients themselves are strongly correlated. The points have three printed "
                 "decimals: half a digit is 0.0005. ONRT's rudder columns with Spalart-Allmaras "
                 "differ by up to 0.0025: their fit used forces that are not printed. With k-omega "
                 "SST they agree."
