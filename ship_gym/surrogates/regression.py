@@ -10,7 +10,6 @@ import numpy as np
 from ship_gym.config import ConfigError
 
 
-
 def monomials(degree: int) -> tuple[tuple[int, int], ...]:
     """Powers (i, j) of J^i beta^j up to a total degree, by degree, within it by falling power of J.
 
@@ -27,9 +26,7 @@ FEATURES: dict[str, tuple[tuple[int, int], ...]] = {
     "second": ((0, 0), (1, 0), (2, 0), (0, 1), (0, 2), (1, 1)),
     "third": monomials(3),
     "fourth": monomials(4),
-    "network": (
-        ((0, 0), (1, 0), (2, 0)) + tuple((i, j) for i in (0, 1, 2) for j in range(1, 7))
-    ),
+    "network": (((0, 0), (1, 0), (2, 0)) + tuple((i, j) for i in (0, 1, 2) for j in range(1, 7))),
 }
 
 

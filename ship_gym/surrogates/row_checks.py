@@ -132,7 +132,7 @@ def _check_repeats(rows: CsvTable, drift: np.ndarray) -> None:
     keys = [rows.columns[name].tolist() for name in TEXTS[:3] if name in rows.columns]
     cases = list(zip(*keys, strict=True)) if keys else [()] * len(rows.rows)
     at: dict[float, tuple] = {}
-    seen: dict[tuple, int] = {}
+    seen: dict[tuple, int] = {}  # point or place, with side and grid, to its first row
     for i, case in enumerate(cases):
         number, line = rows.columns["point"][i], int(rows.rows[i])
         place = (float(rows.columns["J"][i]), float(drift[i]))
@@ -140,9 +140,9 @@ def _check_repeats(rows: CsvTable, drift: np.ndarray) -> None:
         where, name = f"{rows.path}:{line}", f"point {number:g}"
         if place != first_place:
             raise ConfigError(f"{where}: {name} is at another J or drift in line {first_line}")
-        for key in ((*case, number), (*case, place)):
-            k = seen.setdefault(key, i)
-            if k != i and (values[k] != values[i]).any():
-                raise ConfigError(f"{where}: {name} has other values in line {rows.rows[k]}")
-            if k != i and key[-1] == number:
-                raise ConfigError(f"{where}: {name} is in line {rows.rows[k]} already: delete one")
+        k = seen.setdefault((*case, place), i)
+        if (values[k] != values[i]).any():
+            raise ConfigError(f"{where}: {name} has other values in line {rows.rows[k]}")
+        k = seen.setdefault((*case, number), i)
+        if k != i:
+            raise ConfigError(f"{where}: {name} is in line {rows.rows[k]} already: delete one")

@@ -1,0 +1,149 @@
+"""Knight & Maki (2020) on synthetic series: what they print of themselves, and ours beside it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ship_gym.config import ConfigError, read_csv
+from ship_gym.surrogates.unsteady import (
+    EARLY_STOPPING,
+    NOISE,
+    ORDERS,
+    REGRESSION_ORDER,
+    behind_hull,
+    compare,
+    compare_seeds,
+    eq_21,
+    loss,
+    motion,
+    regression_row,
+    series,
+    ship_wake,
+)
+
+
+def printed_losses(path):
+    """Loss from the three printed errors, and the printed loss, by row."""
+    rows = read_csv(path)
+    errors = np.stack([rows.columns[k] for k in ("K_T", "K_S", "K_Q")], axis=1)
+    return np.array([loss(e) for e in errors]), rows.columns["loss"]
+
+
+@pytest.mark.parametrize(("path", "first"), [(EARLY_STOPPING, 1), (REGRESSION_ORDER, 0)])
+def test_printed_loss_is_half_the_sum_of_the_printed_squared_errors(path, first):
+    """This fixes what an "L2 error" of the source is; each error is printed with two digits."""
+    ours, printed = (losses[first:] for losses in printed_losses(path))
+    np.testing.assert_allclose(ours, printed, rtol=0.1)
+
+
+def test_the_first_row_of_table_3_contradicts_itself():
+    """Its errors make a loss of 6.8e-3, but 1.0e-2 is printed; the other eight rows agree."""
+    ours, printed = printed_losses(EARLY_STOPPING)
+    assert ours[0] == pytest.approx(6.8e-3, rel=0.01) and printed[0] == 1.0e-2
+
+
+def test_eq_21_at_one_point_by_hand():
+    """J = 0.5, |alpha| = 0.2."""
+    expected = [
+        0.477 - 0.1405 - 0.01525 + 0.0268 - 0.00816 + 0.0047,
+        0.320 - 0.0085 - 0.0315 + 0.3222 - 0.00112 + 0.0252,
+        0.680 - 0.166 - 0.019 + 0.0324 - 0.01164 + 0.0069,
+    ]
+    np.testing.assert_allclose(eq_21(np.array([[0.5, -0.2]]))[0], expected, rtol=1e-12)
+
+
+def test_motion_of_the_training_case_in_open_water():
+    """U 1.68 (1 +- 0.476) m/s, V +- 0.84 m/s: four swings in one period of n."""
+    X = motion("open water", "training", 7000)
+    low, high = math.atan(-0.5 / (1 - 0.476)), math.atan(0.5 / (1 + 0.476))
+    assert X[:, 1].min() == pytest.approx(low, abs=1e-5)
+    assert X[:, 1].max() == pytest.approx(high, abs=1e-5)
+    assert X[:, 0].max() < 1.68 * 1.476 / (32 * 0.844 * 0.105)
+    assert np.sum(np.diff(np.sign(X[:, 1])) != 0) == 8
+
+
+def test_printed_side_force_scaling_leaves_the_reach_of_a_sigmoid():
+    """10 |K_S| + 0.3 of Eq. 21 is 1.57 at most in their own training case: a network cannot."""
+    K_S = eq_21(motion("open water", "training"))[:, 1]
+    assert K_S.max() == pytest.approx(1.57, abs=0.01)
+
+
+def test_behind_the_hull_the_propeller_works_in_the_wake():
+    """Thrust identity: straight ahead K_T(J) is the open water's K_T(J (1 - w))."""
+    w = ship_wake()[0]
+    behind = behind_hull(np.array([[0.5 / (1 - w), 0.0]]), ship_wake())[0]
+    K_T, _, K_Q = eq_21(np.array([[0.5, 0.0]]))[0]
+    np.testing.assert_allclose(behind, [K_T + 0.2, 0.5, K_Q], rtol=1e-12)
+
+
+def test_behind_the_hull_port_mirrors_starboard():
+    X = motion("behind hull", "validation")
+    there, back = behind_hull(X, ship_wake()), behind_hull(X * [1, -1], ship_wake())
+    np.testing.assert_allclose(there[:, [0, 2]], back[:, [0, 2]], atol=1e-12)
+    np.testing.assert_allclose(there[:, 1] - 0.5, 0.5 - back[:, 1], atol=1e-12)
+    assert 0.0 < there.min() and there.max() < 1.0
+
+
+def test_training_set_is_half_unsteady_half_steady_and_its_noise_is_the_documented_one():
+    noisy, clean = series("behind hull", "training", 5), series("behind hull", "training", 5, 0.0)
+    assert noisy.X.shape == (70, 2) and (noisy.X[35:, 1] == 0.0).all()
+    np.testing.assert_array_equal(noisy.Y[35:], clean.Y[35:])
+    assert (noisy.Y - clean.Y)[:35].std() == pytest.approx(NOISE, rel=0.2)
+    again, other = (series("behind hull", "training", s).Y for s in (5, 6))
+    np.testing.assert_array_equal(noisy.Y, again)
+    assert (noisy.Y[:35] != other[:35]).all()
+
+
+def test_noise_is_the_one_that_the_printed_training_loss_leaves():
+    rows = read_csv(REGRESSION_ORDER).where(order="network")
+    assert 1.5 * NOISE**2 / 2 == pytest.approx(rows.columns["training_loss"][0], rel=1e-12)
+
+
+def test_training_loss_falls_and_validation_loss_rises_with_the_order():
+    """Table 4 in kind, medians of ten seeds: least for second order, a thousandfold at the end."""
+    rows = {o: [] for o in ORDERS}
+    for seed in range(10):
+        sets = [series("behind hull", c, seed) for c in ("training", "validation")]
+        for order in ORDERS:
+            rows[order].append(regression_row(order, *sets))
+    train, valid = (
+        [float(np.median([r[k] for r in rows[o]])) for o in ORDERS]
+        for k in ("training_loss", "loss")
+    )
+    assert (np.diff(train) < 0.0).all() and (np.diff(valid) > 0.0).all()
+
+
+def test_unknown_cases():
+    with pytest.raises(ConfigError, match="did you mean 'behind hull'"):
+        motion("behind hul", "training")
+    with pytest.raises(ConfigError, match="did you mean 'validation'"):
+        motion("behind hull", "validaton")
+    with pytest.raises(ConfigError, match="at least one seed"):
+        compare_seeds(range(0))
+
+
+def test_a_short_comparison_has_every_row():
+    found = compare(0, iterations=300)
+    assert set(found["orders"]) == set(ORDERS)
+    stopped, end = found["stopping"]["stopped"], found["stopping"]["end"]
+    assert stopped["loss"] <= end["loss"]
+    assert stopped["loss"] == pytest.approx(loss([stopped[k] for k in ("K_T", "K_S", "K_Q")]))
+
+
+@pytest.mark.slow  # ten trainings of 5000 iterations, about 40 s
+def test_the_network_with_early_stopping_beats_the_second_order_on_thrust_and_torque():
+    """Tables 3 and 4 in kind, medians of ten seeds.
+
+    Not matched: the side force, where the printed network is level with second order (1.9e-2
+    against 1.8e-2) and ours is twice as far off, and with it the loss.
+    """
+    found = compare_seeds(range(10))
+    stopped, second = found["stopping"]["stopped"], found["orders"]["second"]
+    assert stopped["K_T"] < second["K_T"] and stopped["K_Q"] < second["K_Q"]
+    assert found["held"]["stopped network beats second order on K_T"] >= 0.7
+    assert found["held"]["stopped network beats second order on K_Q"] >= 0.9
+    # the side force is the documented gap: this fails when it closes, so that the text changes
+    assert stopped["K_S"] > second["K_S"]
+    by_level = [found["stopping"][k]["loss"] for k in ("1.0e-03", "1.0e-04", "stopped", "end")]
+    assert by_level[0] > by_level[1] > by_level[2] < by_level[3]
