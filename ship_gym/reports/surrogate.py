@@ -2,159 +2,209 @@
 
 from __future__ import annotations
 
-import math
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import CsvTable, read_csv
+import numpy as np
+
+from ship_gym.config import ConfigError
 from ship_gym.reports.case import sail
-from ship_gym.reports.text import paragraph, table
+from ship_gym.reports.surrogate_printed import (
+    printed_errors,
+    printed_means,
+    printed_totals,
+)
 from ship_gym.ships.loader import attach_surrogate
 from ship_gym.ships.particulars import Ship
-from ship_gym.surrogates.fit import KCS_COEFFICIENTS, QUANTITIES
+from ship_gym.surrogates.base import percent_error
+from ship_gym.surrogates.error_budget import GRID, TURBULENCE, error_budget
+from ship_gym.surrogates.fit import Fit, Options, leave_one_out, new_model
+from ship_gym.surrogates.regression import FEATURES, Regression
+from ship_gym.surrogates.samples import DATA_SETS
+from ship_gym.surrogates.sampling import proposals
 from ship_gym.tables import Table
 
-# grid and turbulence model of the tables that come with the package
-SHIPPED = (("G1", "SA"), ("G2", "SA"), ("G2", "SST"), ("G3", "SA"))
+# data set, family, grid and turbulence model of the tables that come with the package
+SHIPPED = (
+    ("kcs", "regression", "G1", "SA"),
+    ("kcs", "regression", "G2", "SA"),
+    ("kcs", "regression", "G2", "SST"),
+    ("kcs", "regression", "G3", "SA"),
+    ("kcs", "gp", "G2", "SA"),
+    ("kcs", "nn", "G2", "SA"),
+    ("onrt", "regression", "G2", "SA"),
+    ("onrt", "regression", "G2", "SST"),
+    ("onrt", "regression", "G3", "SA"),
+    ("onrt", "gp", "G2", "SA"),
+    ("onrt", "nn", "G2", "SA"),
+)
 
 
-def printed_coefficients(name: str) -> dict[str, list[float]]:
-    """Coefficients that the thesis prints for a model (``"G2_SA"``); empty if it prints none."""
-    rows = read_csv(KCS_COEFFICIENTS).where(model=name.replace("_", " "))
-    return {k: rows.columns[k].tolist() for k in QUANTITIES if len(rows.rows)}
+def as_dict(fit: Fit, table: Table) -> dict[str, Any]:
+    """A fit and its table as plain numbers, for ``--json``, the text and the page.
+
+    Parameters
+    ----------
+    fit : Fit
+    table : Table
+        Of ``force_table.table_of``.
+    """
+    card = table.card
+    sides = {side: _of_side(fit, side) for side in fit.models}
+    return {
+        "name": fit.name,
+        "title": card["title"],
+        "source": card["source"],
+        "options": card["options"],
+        "grid": fit.grid,
+        "turbulence": fit.turbulence,
+        "trained_on": fit.trained_on,
+        "features": list(_labels(fit)),
+        "training_points": card["training_points"],
+        "held_out_points": card["held_out_points"],
+        "sides": sides,
+        "error_budget": _budgets(fit),
+        "interpolation_error": card["interpolation_error"],
+        "effective_inflow": card["effective_inflow"],
+        "torque": card["torque"],
+        "domain": card["domain"],
+        "next_samples": proposals(fit, seed=fit.options.seed),
+        "made_for": card["made_for"],
+        "inputs": card["inputs"],
+        "versions": card["versions"],
+        "git_commit": card["git_commit"],
+    }
 
 
-def printed_errors(path: str | Path, name: str, points: list[int]) -> dict[str, list[float]]:
-    """Held-out errors [%] that the thesis prints for the eight-point set of a model.
+def _labels(fit: Fit) -> list[str]:
+    """Names of the features of the regressions in a fit."""
+    models = next(iter(fit.models.values())).values()
+    order = next((m.order for m in models if isinstance(m, Regression)), None)
+    return [_monomial(i, j) for i, j in FEATURES[order]] if order else []
+
+
+def _monomial(i: int, j: int) -> str:
+    def power(x: str, k: int) -> str:
+        return "" if k == 0 else x if k == 1 else f"{x}^{k}"
+
+    return " ".join(p for p in (power("J", i), power("beta", j)) if p) or "1"
+
+
+def _of_side(fit: Fit, side: str) -> dict[str, Any]:
+    """Everything about one propeller and rudder."""
+    models, errors, options = fit.models[side], fit.errors(side), fit.options
+    of_thesis = options.family == "regression" and options.order == "second"
+    by_point = printed_errors(fit.data, fit.grid, fit.turbulence, side)
+    means = {}
+    if options.family == "gp" and (fit.grid, fit.turbulence) == ("G2", "SA"):
+        means = printed_means(fit.data, options.noise, side)
+    left_out, refused = ({}, "") if errors else _left_out(fit, side)
+    return {
+        "coefficients": {
+            name: [float(c) for c in model.coefficients]
+            for name, model in models.items()
+            if isinstance(model, Regression)
+        },
+        "printed_coefficients": (
+            {
+                k: v.tolist()
+                for k, v in fit.data.printed(f"{fit.grid}_{fit.turbulence}", side).items()
+            }
+            if of_thesis
+            else {}
+        ),
+        "fitted": list(fit.training[side].values),
+        "models": {name: model.describe() for name, model in models.items()},
+        "held_out_errors_percent": errors,
+        "printed_errors_percent": by_point if of_thesis else {},
+        "held_out_scores": fit.scores(side),
+        "printed_mean_errors_percent": means,
+        "leave_one_out_errors_percent": left_out,
+        "leave_one_out_refused": refused,
+    }
+
+
+def _left_out(fit: Fit, side: str) -> tuple[dict[str, list[float]], str]:
+    """Leave-one-out errors [%] at the training points, or why there are none."""
+    samples, found = fit.training[side], {}
+    if not samples.values:
+        return {}, "the forces of the training points are not printed"
+    if fit.options.family == "nn":
+        return {}, "not done for networks: each point would cost another training"
+    try:
+        for name, y in samples.values.items():
+            make = partial(new_model, fit.data, fit.options, side, name)
+            found[name] = percent_error(y, leave_one_out(make, samples.X, y)).tolist()
+    except ConfigError as error:
+        return {}, str(error)
+    return found, ""
+
+
+def _budgets(fit: Fit) -> list[dict[str, Any]]:
+    """Error budget of a project data set, with the surrogate part of this very fit.
+
+    Empty on other grids and for a user's samples, which need not have the grids it is made of.
+    """
+    if fit.data.name not in DATA_SETS or (fit.grid, fit.turbulence) != (GRID, TURBULENCE):
+        return []
+    totals = printed_totals(fit.data) if fit.name == "G2_SA" else {}
+    rows = []
+    for side in fit.data.sides:
+        for quantity in fit.data.quantities:
+            budget = error_budget(fit.data, quantity, side, fit.models[side][quantity])
+            points = list(budget.turbulence_points)
+            extra = {"turbulence_points": points, "printed_total": totals.get(quantity)}
+            rows.append(budget.as_row() | extra)
+    return rows
+
+
+def turning_check(ship: Ship, table: Table, name: str) -> dict[str, Any]:
+    """Turning circle of the ship's trial, or of its largest rudder angle, with this surrogate.
+
+    Returns
+    -------
+    dict
+        ``delta_deg``, ``measures``, and ``trial``, the measured ones, empty without a trial.
+    """
+    measured = next((t for t in ship.trials if t.manoeuvre == "turning_circle"), None)
+    delta_deg = measured.delta_deg if measured else float(np.degrees(ship.gear.delta_max))
+    speed, n = (measured.speed, measured.n) if measured else (None, None)
+    case = sail(attach_surrogate(ship, table, name), delta_deg=delta_deg, speed=speed, n=n)
+    return {
+        "delta_deg": delta_deg,
+        "measures": case.result.measures(),
+        "trial": dict(case.trial.measures) if case.trial else {},
+    }
+
+
+def file_stem(fit: Fit) -> str:
+    """Name of the files of a fit, e.g. ``surrogate_kcs_G2_SA``."""
+    same = fit.name.startswith(fit.data.name)
+    return f"surrogate_{fit.name}" if same else f"surrogate_{fit.data.name}_{fit.name}"
+
+
+def how_to_use(path: str | Path, fit: Fit, ship: str) -> str:
+    """Lines of Python that attach a table file to a ship, or load it where it is shipped.
 
     Parameters
     ----------
     path : path-like
-        CSV with columns quantity, point and ``8pt G2 [%]`` etc.; may be missing.
-    name : str
-        ``"G2_SA"``; the thesis prints the Spalart-Allmaras models only.
-    points : list of int
-        Order of the points.
+        Table file.
+    fit : Fit
+    ship : str
+        Name of the ship or its file.
     """
-    grid, _, turbulence = name.partition("_")
-    if turbulence != "SA" or not Path(path).is_file():
-        return {}
-    rows: CsvTable = read_csv(path).require("quantity", "point", f"8pt {grid}")
-    found = {}
-    for quantity in QUANTITIES:
-        mine = rows.where(quantity=quantity)
-        by_point = dict(zip(mine.columns["point"], mine.columns[f"8pt {grid}"], strict=True))
-        found[quantity] = [float(by_point[p]) for p in points]
-    return found
-
-
-def as_dict(table_: Table, name: str, errors_path: str | Path = "", own: bool = False) -> dict:
-    """A fitted table as plain numbers, for ``--json``.
-
-    Parameters
-    ----------
-    table_ : Table
-        Of ``surrogates.fit.fit_kcs``.
-    name : str
-        Grid and turbulence model, e.g. ``"G2_SA"``.
-    errors_path : path-like
-        As in `printed_errors`.
-    own : bool
-        Fitted to the user's samples: nothing printed belongs to it.
-    """
-    card: dict[str, Any] = table_.card
-    second = len(card["features"]) == 6
-    compare = second and not own
-    points = card["held_out_points"]
-    return {
-        "name": name,
-        "trained_on": card["trained_on"],
-        "features": card["features"],
-        "coefficients": {k: card["coefficients"][k] for k in QUANTITIES},
-        "printed_coefficients": printed_coefficients(name) if compare else {},
-        "held_out_points": points,
-        "held_out_errors_percent": card["held_out_errors_percent"],
-        "printed_errors_percent": printed_errors(errors_path, name, points) if compare else {},
-        "held_out_scores": card["held_out_scores"],
-        "interpolation_error": card["interpolation_error"],
-        "effective_inflow": card["effective_inflow"],
-        "domain": card["domain"],
-    }
-
-
-def turning_check(ship: Ship, table_: Table, name: str) -> dict[str, float]:
-    """Measures of the ship's standard turning circle with this surrogate."""
-    return sail(attach_surrogate(ship, table_, name)).result.measures()
-
-
-def as_text(data: dict) -> str:
-    """Fit as a report for people, from `as_dict`."""
-    low = data["interpolation_error"]
-    worst = max((k for k in low if k != "trust"), key=low.get)
-    box = data["domain"]
-    return "\n".join(
-        [
-            f"{data['name']}: rudder {math.degrees(box['delta']):.0f} deg, J {box['J_min']:g} to "
-            f"{box['J_max']:g}, drift {math.degrees(box['beta_min']):.0f} to "
-            f"{math.degrees(box['beta_max']):.0f} deg; trained on {data['trained_on']}",
-            "",
-            "coefficients (drift in rad)",
-            _beside(data["features"], data["coefficients"], data["printed_coefficients"], "{:.6f}"),
-            "",
-            "error on points not trained on, 100 (CFD - model)/CFD [%]",
-            _beside(
-                [f"point {p}" for p in data["held_out_points"]],
-                data["held_out_errors_percent"],
-                data["printed_errors_percent"],
-                "{:.2f}",
-            ),
-            "",
-            f"interpolation error of the table: at most {100.0 * low[worst]:.2f} % of the range "
-            f"({worst})",
-            _inflow(data["effective_inflow"]),
-            *([_turning(data["turning_circle"])] if "turning_circle" in data else []),
-        ]
-    )
-
-
-def _beside(labels: list[str], fitted: dict, printed: dict, form: str) -> str:
-    """Fitted and, if there are any, printed values of every quantity side by side."""
-    header, columns = [""], []
-    for quantity in QUANTITIES:
-        header.append(quantity)
-        columns.append(fitted[quantity])
-        if printed:
-            header.append("printed")
-            columns.append(printed[quantity])
-    cells = [
-        [label, *(form.format(column[i]) for column in columns)] for i, label in enumerate(labels)
-    ]
-    return table(header, cells)
-
-
-def _inflow(law: dict) -> str:
-    errors = ", ".join(f"{e:+.1f}" for e in law["errors_percent"])
-    return paragraph(
-        f"effective-inflow law at other rudder angles: epsilon {law['epsilon']:.4f}, kappa "
-        f"{law['kappa']:.4f}, gamma_R {law['gamma_R']:.4f}; error of the normal force at the "
-        f"training points {errors} %, mean {law['mean_abs_error_percent']:.1f} %"
-    )
-
-
-def _turning(measures: dict[str, float]) -> str:
-    names = ("max_advance", "max_transfer", "steady_diameter")
-    lengths = ", ".join(f"{k.replace('_', ' ')} {measures[k]:.2f} L" for k in names)
-    return paragraph(
-        f"35 deg turning circle with it: {lengths}, U/U0 {measures['steady_speed_ratio']:.3f}, "
-        f"thrust {measures['steady_thrust']:.2f} N"
-    )
-
-
-def how_to_use(path: str | Path, name: str) -> str:
-    """Lines of Python that attach a table file to a ship."""
-    return f"""use it:
+    lines = f"""next, in Python:
   import gymnasium as gym, ship_gym
   from ship_gym.ships.loader import attach_surrogate
   from ship_gym.tables import Table
-  ship = attach_surrogate(ship_gym.load_ship("kcs_model"), Table.load("{path}"), "{name}")
+  ship = attach_surrogate(ship_gym.load_ship("{ship}"), Table.load("{path}"), "{fit.name}")
   env = gym.make("ShipGym/HeadingKeeping-v0", ship=ship)"""
+    shipped = {(name, family, *choice) for name, family, *choice in SHIPPED}
+    mine = (fit.data.name, fit.options.family, fit.grid, fit.turbulence)
+    if mine in shipped and fit.options == Options(fit.options.family):
+        lines += f"""
+the same table comes with the package:
+  env = gym.make("ShipGym/HeadingKeeping-v0", ship="{ship}", surrogate="{fit.name}")"""
+    return lines

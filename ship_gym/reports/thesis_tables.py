@@ -11,14 +11,20 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import read_csv
+from ship_gym.reports.surrogate_printed import (
+    mean_size,
+    printed_errors,
+    printed_means,
+    printed_regression_means,
+    printed_totals,
+)
 from ship_gym.reports.text import paragraph, table
 from ship_gym.surrogates.base import percent_error
-from ship_gym.surrogates.error_budget import error_budgets, sigma_n
-from ship_gym.surrogates.fit import INTERPOLATING, fit
+from ship_gym.surrogates.error_budget import error_budget, sigma_n
+from ship_gym.surrogates.fit import fit, noise_of
 from ship_gym.surrogates.gaussian_process import GaussianProcess
 from ship_gym.surrogates.regression import features
-from ship_gym.surrogates.samples import DATA, KCS, ONRT, SINGLE, DataSet
+from ship_gym.surrogates.samples import KCS, ONRT, SINGLE, DataSet
 
 COEFFICIENTS = (
     ("A.9", KCS, "G2", "SA"),
@@ -27,10 +33,6 @@ COEFFICIENTS = (
     ("B.12", ONRT, "G2", "SST"),
     ("B.14", ONRT, "G3", "SA"),
 )
-_ERRORS = {
-    KCS.name: DATA / "kcs_regression_error.csv",
-    ONRT.name: DATA / "onrt_regression_error.csv",
-}
 
 
 def coefficients() -> list[dict[str, Any]]:
@@ -71,6 +73,7 @@ def held_out_errors() -> list[dict[str, Any]]:
     for data, grid in ((KCS, "G1"), (KCS, "G2"), (KCS, "G3"), (ONRT, "G2")):
         made = fit(data, grid=grid, turbulence="SA")
         for side in data.sides:
+            printed = printed_errors(data, grid, "SA", side)
             for quantity, ours in made.errors(side).items():
                 found.append(
                     {
@@ -79,19 +82,10 @@ def held_out_errors() -> list[dict[str, Any]]:
                         "side": side,
                         "quantity": quantity,
                         "ours": ours,
-                        "printed": printed_errors(data, grid, side, quantity),
+                        "printed": printed[quantity],
                     }
                 )
     return found
-
-
-def printed_errors(data: DataSet, grid: str, side: str, quantity: str) -> list[float]:
-    """Errors [%] of the 8-point regression on points 1-4 as the thesis prints them."""
-    rows = read_csv(_ERRORS[data.name]).where(quantity=quantity)
-    if data is KCS:
-        return rows.columns[f"8pt {grid}"].tolist()
-    rows = rows.where(set=8.0, side=data.sides[side])
-    return [float(rows.columns[f"point {k}"][0]) for k in data.validation]
 
 
 def process_errors() -> list[dict[str, Any]]:
@@ -100,59 +94,46 @@ def process_errors() -> list[dict[str, Any]]:
     The process is given the printed sigma_n, and 1e-4; ``sigma_n`` is ours beside it. Table 3.11
     has the second-order regression too.
     """
-    budget = read_csv(DATA / "error_budget.csv")
-    kcs = read_csv(DATA / "kcs_surrogate_comparison.csv").where(**{"training set": "8 point"})
-    onrt = read_csv(DATA / "onrt_surrogate_comparison.csv")
     found = []
-    for quantity in ("K_T", "10K_Q"):
-        row = kcs.where(quantity=quantity.removeprefix("10"))
-        noise = float(budget.where(quantity=quantity).columns["sigma_n"][0])
-        mean = float(np.abs(fit(KCS).errors(SINGLE)[quantity]).mean())
-        beside = {"regression": [mean, float(row.columns["linear regression"][0])]}
-        found.append(_process(KCS, SINGLE, quantity, noise, row) | beside)
-    for side, printed_side in ONRT.sides.items():
-        for quantity in ("K_X", "K_S", "C_Fx", "C_Fy"):
-            row = onrt.where(side=printed_side, quantity=quantity)
-            found.append(_process(ONRT, side, quantity, float(row.columns["sigma_n"][0]), row))
+    for data, side in ((KCS, SINGLE), *((ONRT, side) for side in ONRT.sides)):
+        for quantity in printed_means(data, "printed", side):
+            found.append(_process(data, side, quantity))
     return found
 
 
-def _process(data: DataSet, side: str, quantity: str, noise: float, row) -> dict[str, Any]:
+def _process(data: DataSet, side: str, quantity: str) -> dict[str, Any]:
     points = data.read("G2", "SA", side)
     training, held = points.pick(data.training), points.pick(data.validation)
     ours = []
-    for sigma in (noise, INTERPOLATING):
-        model = GaussianProcess(sigma).fit(training.X, training.values[quantity])
-        errors = percent_error(held.values[quantity], model.predict(held.X)[0])
-        ours.append(float(np.abs(errors).mean()))
-    return {
+    for noise in ("printed", "none"):
+        model = GaussianProcess(noise_of(data, noise, side, quantity))
+        model.fit(training.X, training.values[quantity])
+        ours.append(mean_size(percent_error(held.values[quantity], model.predict(held.X)[0])))
+    row = {
         "table": "3.11" if data is KCS else "chapter 5",
         "side": side,
         "quantity": quantity,
-        "sigma_n": sigma_n(read_csv(data.path), quantity, data.sides[side]),
-        "printed_sigma_n": noise,
+        "sigma_n": sigma_n(data, quantity, side),
+        "printed_sigma_n": noise_of(data, "printed", side, quantity),
         "ours": ours,
-        "printed": [
-            float(row.columns[k][0]) for k in ("GP sigma_n calculated", "GP sigma_n 0.0001")
-        ],
+        "printed": [printed_means(data, noise, side)[quantity] for noise in ("printed", "none")],
     }
+    if data is KCS:
+        mean = mean_size(fit(KCS).errors(side)[quantity])
+        row["regression"] = [mean, printed_regression_means()[quantity]]
+    return row
 
 
 def budgets() -> list[dict[str, Any]]:
     """Grid, turbulence and regression error and their norm [%], with the printed norm of KCS."""
-    printed = read_csv(DATA / "error_budget.csv")
     found = []
     for data in (KCS, ONRT):
-        rows = read_csv(data.path)
-        for budget in error_budgets(rows, data.quantities, data.sides.values()):
-            match = printed.where(quantity=budget.quantity).columns["total"] if data is KCS else ()
-            found.append(
-                {
-                    "model": data.name,
-                    **budget.as_row(),
-                    "printed": float(match[0]) if len(match) else None,
-                }
-            )
+        printed, made = printed_totals(data), fit(data)
+        for side in data.sides:
+            for quantity in data.quantities:
+                budget = error_budget(data, quantity, side, made.models[side][quantity])
+                beside = {"model": data.name, "printed": printed.get(quantity)}
+                found.append(budget.as_row() | beside)
     return found
 
 

@@ -115,7 +115,7 @@ def _channels(fit: Fit, side: str, J, beta, torque) -> dict[str, tuple[np.ndarra
         return factor * mean.reshape(J.shape), abs(factor) * std.reshape(J.shape)
 
     K_T, K_T_std = value(data.thrust)
-    if "10K_Q" in models:
+    if "10K_Q" in data.quantities:
         K_Q, K_Q_std = value("10K_Q", 0.1)
     else:
         K_Q, K_Q_std = torque(K_T), torque(K_T + K_T_std) - torque(K_T)
@@ -168,7 +168,7 @@ def card_of(fit: Fit, ship: Ship) -> dict:
     )
     return {
         "title": f"{data.name}: propeller and rudder behind the hull, rudder "
-        f"{math.degrees(data.delta):.0f} deg, {fit.options.family} {fit.name}",
+        f"{math.degrees(data.delta):.0f} deg, surrogate {fit.name}",
         "source": first.source,
         "inputs": {path.name: sha256(path) for path in files},
         "data": data.name,
@@ -187,7 +187,7 @@ def card_of(fit: Fit, ship: Ship) -> dict:
             side: {k: [round(e, 3) for e in errors] for k, errors in fit.errors(side).items()}
             for side in fit.models
         },
-        "torque": "samples" if "10K_Q" in fit.models[next(iter(fit.models))] else _BY_THRUST_IDENTITY,
+        "torque": "samples" if "10K_Q" in data.quantities else _BY_THRUST_IDENTITY,
         "effective_inflow": law,
         "made_for": {
             "ship": ship.name,

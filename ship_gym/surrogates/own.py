@@ -32,6 +32,7 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.surrogates.row_checks import check_columns, check_rows, lines
 from ship_gym.surrogates.samples import LEEWARD, SINGLE, WINDWARD, DataSet
 
+
 def own_data_set(
     path: str | Path,
     ship: Ship,

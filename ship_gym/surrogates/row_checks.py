@@ -56,7 +56,9 @@ def check_columns(rows: CsvTable, path: Path) -> tuple[str, str]:
             )
         if not allowed and name in rows.units:
             raise ConfigError(f"{where}: column {name!r} holds names and takes no unit")
-    beta, thrust = (_one_of(rows, names, where) for names in (("beta", "abs(beta)"), ("K_T", "K_X")))
+    beta, thrust = (
+        _one_of(rows, names, where) for names in (("beta", "abs(beta)"), ("K_T", "K_X"))
+    )
     for name in ("point", "J", "C_Fx", "C_Fy"):
         if name not in rows.columns:
             raise ConfigError(f"{where}: no column {name!r};{nearest(name, rows.columns)}")
@@ -68,7 +70,9 @@ def check_columns(rows: CsvTable, path: Path) -> tuple[str, str]:
 def _title_line(path: Path) -> int:
     """Line of the column names."""
     text = path.read_text(encoding="utf-8").splitlines()
-    return next(n for n, x in enumerate(text, start=1) if x.strip() and not x.lstrip().startswith("#"))
+    return next(
+        n for n, x in enumerate(text, start=1) if x.strip() and not x.lstrip().startswith("#")
+    )
 
 
 def _one_of(rows: CsvTable, names: tuple[str, str], where: str) -> str:
@@ -98,7 +102,9 @@ def check_rows(rows: CsvTable, beta: str, sign: float) -> None:
     point, drift = rows.columns["point"], rows.si(beta)
     _refuse(rows, "point", point % 1.0 != 0.0, "must be a whole number")
     J = rows.columns["J"]
-    _refuse(rows, "J", ~((J > 0.0) & (J <= LARGEST_J)), f"allowed is above 0, at most {LARGEST_J:g}")
+    _refuse(
+        rows, "J", ~((J > 0.0) & (J <= LARGEST_J)), f"allowed is above 0, at most {LARGEST_J:g}"
+    )
     hint = "; looks like degrees" if rows.units[beta] == "rad" else ""
     _refuse(rows, beta, np.abs(drift) > 0.5 * math.pi, f"allowed is at most 90 deg{hint}")
     for name in LARGEST.keys() & rows.columns.keys():

@@ -1,4 +1,4 @@
-"""Can a set of samples carry the model asked for, and does anything in it look like a slip?"""
+"""Whether samples can carry the model asked for, and whether anything in them looks like a slip."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from ship_gym.config import ConfigError
 from ship_gym.ships.open_water import coefficients
 from ship_gym.ships.particulars import Ship
 from ship_gym.surrogates.fit import Options
-from ship_gym.surrogates.regression import FEATURES, features
+from ship_gym.surrogates.regression import FEATURES
 from ship_gym.surrogates.row_checks import lines, side_signs
 from ship_gym.surrogates.samples import DataSet, Samples
 
+_PLANE = ((0, 0), (1, 0), (0, 1))  # powers of J and beta; less than a plane cannot be fitted
 # What a model fits: twice as many points should be there. A process has a constant, a standard
 # deviation and two length scales; a network is counted by its inputs.
 _FITTED = {"gp": 4, "nn": len(FEATURES["network"])}
@@ -64,18 +65,16 @@ def check_samples(
 
 
 def _spread(training: Samples, options: Options) -> list[str]:
-    """Are there enough points, and do they span the plane of J and beta?"""
+    """Refuse too few or collinear points; warn of few and clustered ones."""
     where = f"{training.path}: {lines(training.rows)}"
-    regression = options.family == "regression"
-    order = options.order if regression else "first"
-    needed = len(FEATURES[order]) if regression else 4
-    n = len(training.points)
-    name = f"{order} order regression" if regression else options.family
+    regression, n = options.family == "regression", len(training.points)
+    powers = FEATURES[options.order] if regression else _PLANE
+    needed = len(powers)
+    name = f"{options.order} order regression" if regression else options.family
     if n < needed:
         raise ConfigError(f"{where}: {n} training points, but the {name} needs {needed}")
-    matrix = _scaled_features(training.X, order)
-    plane = np.column_stack([np.ones(n), training.X])
-    if np.linalg.matrix_rank(plane, tol=1e-6) < 3:
+    matrix = _scaled_features(training.X, powers)
+    if np.linalg.matrix_rank(_scaled_features(training.X, _PLANE), tol=1e-6) < len(_PLANE):
         raise ConfigError(f"{where}: collinear: all points lie on one line in the J-beta plane")
     if np.linalg.matrix_rank(matrix, tol=1e-6) < needed:
         raise ConfigError(
@@ -98,11 +97,13 @@ def _spread(training: Samples, options: Options) -> list[str]:
     return found
 
 
-def _scaled_features(X: np.ndarray, order: str) -> np.ndarray:
+def _scaled_features(X: np.ndarray, powers: tuple[tuple[int, int], ...]) -> np.ndarray:
     """Features of J and beta scaled to [-1, 1], each column of length 1."""
     low, span = X.min(axis=0), np.ptp(X, axis=0)
-    matrix = features(2.0 * (X - low) / np.where(span > 0.0, span, 1.0) - 1.0, order)
-    return matrix / np.linalg.norm(matrix, axis=0)
+    x, y = (2.0 * (X - low) / np.where(span > 0.0, span, 1.0) - 1.0).T
+    matrix = np.stack([x**i * y**j for i, j in powers], axis=1)
+    length = np.linalg.norm(matrix, axis=0)
+    return matrix / np.where(length > 0.0, length, 1.0)
 
 
 def _unusual(samples: Samples, ship: Ship, data: DataSet) -> list[str]:
@@ -117,13 +118,17 @@ def _unusual(samples: Samples, ship: Ship, data: DataSet) -> list[str]:
         (side_signs(samples.values["C_Fy"], data.sign) < 0, "C_Fy to the other side than most"),
     ]
     if np.abs(beta).max() < _LOOKS_LIKE_RADIANS:
-        checks.append((np.ones(len(beta), dtype=bool), "drift below 1.6 deg everywhere looks like radians"))
+        checks.append(
+            (np.ones(len(beta), dtype=bool), "drift below 1.6 deg everywhere looks like radians")
+        )
     if "10K_Q" in samples.values:
         ratio = J * samples.values[data.thrust] * 10.0
         high = ratio > _MOST_EFFICIENCY * 2.0 * math.pi * np.abs(samples.values["10K_Q"])
         checks.append((high, "more thrust power than shaft power: is 10K_Q ten times K_Q?"))
     return [
-        f"{samples.path}: {lines(samples.rows[wrong])}: {text}" for wrong, text in checks if any(wrong)
+        f"{samples.path}: {lines(samples.rows[wrong])}: {text}"
+        for wrong, text in checks
+        if any(wrong)
     ]
 
 

@@ -1,4 +1,4 @@
-"""Two propellers and rudders: the samples come back on each side, and the ship is its own mirror."""
+"""Two propellers and rudders: the samples come back on each side; the ship mirrors itself."""
 
 import dataclasses
 import math

@@ -136,6 +136,7 @@ def test_review_refuses_other_files(script, tmp_path):
         ("simulate", (), "matplotlib", "plot"),
         ("simulate", ("--rrd", "a.rrd"), "rerun", "rerun"),
         ("fit_surrogate", ("--plot", "a.png"), "matplotlib", "plot"),
+        ("fit_surrogate", ("--report",), "matplotlib", "plot"),
     ],
 )
 def test_missing_extra_is_one_line_before_any_work(

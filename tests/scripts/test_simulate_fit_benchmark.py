@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ship_gym.reports.page import Picture
 from ship_gym.ships.loader import DATA, attach_surrogate, load_ship
+from ship_gym.surrogates.samples import KCS
 from ship_gym.tables import Table
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
@@ -104,34 +106,87 @@ def test_simulate_refuses_in_one_line(call, arguments, words):
     assert not Path("runs").exists()
 
 
-def test_fit_surrogate_writes_a_table_that_attaches(call):
-    code, out, _ = call("fit_surrogate.py", "--plot", "s.png")
+def test_fit_surrogate_writes_a_table_that_attaches(call, monkeypatch):
+    from ship_gym.plotting import surrogate_report
+
+    # what it draws is tested with the pictures
+    monkeypatch.setattr(surrogate_report, "_png", lambda text, draw: Picture(text, PNG))
+    code, out, _ = call("fit_surrogate.py", "--report")
     assert code == 0
-    assert Path("s.png").read_bytes()[:4] == PNG
-    assert "attach_surrogate" in out
-    assert "printed" in out
-    table = Table.load("runs/surrogate_G2_SA.npz")
+    assert Path("runs/surrogate_kcs_G2_SA.html").read_text().count("<img") == 5
+    assert "attach_surrogate" in out and 'surrogate="G2_SA"' in out
+    assert "printed" in out and "steady diameter" in out and "where to sample next" in out
+    table = Table.load("runs/surrogate_kcs_G2_SA.npz")
     ship = attach_surrogate(load_ship("kcs_model"), table, "G2_SA")
     assert ship.rudder == load_ship("kcs_model").rudder
 
 
 def test_fit_surrogate_json(call):
-    code, out, _ = call("fit_surrogate.py", "--json", "--order", "first", "--out", "f.npz")
+    code, out, _ = call(
+        "fit_surrogate.py", "--json", "--order", "first", "--out", "f.npz", "--plot", "s.png"
+    )
     data = json.loads(out)
     assert code == 0
-    assert data["files"] == ["f.npz"]
-    assert len(data["coefficients"]["K_T"]) == 4
-    assert data["printed_coefficients"] == {}  # the thesis prints the second order only
+    assert data["files"] == ["f.npz", "s.png"] and Path("s.png").read_bytes()[:4] == PNG
+    side = data["sides"]["single"]
+    assert len(side["coefficients"]["K_T"]) == 4
+    assert side["printed_coefficients"] == {}  # the thesis prints the second order only
+    assert data["turning_circle"]["trial"]["steady_diameter"] == 2.602
 
 
+def test_fit_surrogate_of_two_propellers_with_a_process(call):
+    code, out, _ = call("fit_surrogate.py", "--data", "onrt", "--family", "gp", "--json")
+    data = json.loads(out)
+    assert code == 0 and data["files"] == ["runs/surrogate_onrt_gp.npz"]
+    assert set(data["sides"]) == {"leeward", "windward"}
+    assert data["sides"]["windward"]["printed_mean_errors_percent"]["K_X"] == 0.96
+    assert len(Table.load("runs/surrogate_onrt_gp.npz").names) == 22
+
+
+OWN = KCS.path.read_text()
+
+
+def test_fit_surrogate_of_own_samples(call):
+    lines = [x for x in OWN.splitlines() if x[0] in "#p" or ",G2,SA," in x]
+    Path("mine.csv").write_text("\n".join(lines) + "\n")
+    code, out, err = call("fit_surrogate.py", "--samples", "mine.csv", "--json")
+    data = json.loads(out)
+    assert code == 0 and err == ""
+    assert data["files"] == ["runs/surrogate_mine_G2_SA.npz"]
+    side = data["sides"]["single"]
+    assert len(side["leave_one_out_errors_percent"]["K_T"]) == 12
+    assert side["printed_coefficients"] == {} and data["options"]["noise"] == "none"
+    code, _, err = call(
+        "fit_surrogate.py", "--samples", "mine.csv", "--validation", "1", "2", "3", "4"
+    )
+    assert code == 0 and err.startswith("warning: mine.csv: lines ")
+    Path("mine.csv").write_text("\n".join(lines[:-1]) + "\n12,0.856,8.44,G2,SA,nan,0,0,0\n")
+    before = sorted(Path("runs").iterdir())
+    code, out, err = call("fit_surrogate.py", "--samples", "mine.csv", "--out", "runs/new.npz")
+    assert code == 2 and out == "" and "mine.csv:18: K_T = nan" in err
+    assert sorted(Path("runs").iterdir()) == before
+
+
+@pytest.mark.slow
 def test_install_gives_the_shipped_tables_back(call):
     code, _, _ = call("fit_surrogate.py", "--install", "tables")
-    shipped = sorted((DATA / "kcs_model").glob("surrogate_*.npz"))
     assert code == 0
-    assert sorted(path.name for path in Path("tables").iterdir()) == [p.name for p in shipped]
-    for path in shipped:
-        again = Table.load(Path("tables") / path.name)
-        np.testing.assert_allclose(again.values, Table.load(path).values, rtol=1e-9, atol=1e-12)
+    for ship in ("kcs_model", "onrt_model"):
+        shipped = sorted((DATA / ship).glob("surrogate_*.npz"))
+        made = sorted(path.name for path in (Path("tables") / ship).iterdir())
+        assert made == [path.name for path in shipped]
+        for path in shipped:
+            again = Table.load(Path("tables") / ship / path.name)
+            np.testing.assert_allclose(again.values, Table.load(path).values, rtol=0, atol=1e-6)
+
+
+def test_install_writes_nothing_if_one_fit_fails(call, monkeypatch):
+    from ship_gym.reports import surrogate
+
+    bad = (("kcs", "regression", "G2", "SA"), ("kcs", "regression", "G9", "SA"))
+    monkeypatch.setattr(surrogate, "SHIPPED", bad)
+    code, _, err = call("fit_surrogate.py", "--install", "tables")
+    assert code == 2 and "G9" in err and not Path("tables").exists()
 
 
 @pytest.mark.parametrize(
@@ -139,8 +194,17 @@ def test_install_gives_the_shipped_tables_back(call):
     [
         (("--grid", "G9"), ("grid", "G9", "G3")),
         (("--turbulence", "SSA"), ("turbulence", "SA")),
-        (("--order", "third"), ("order", "second")),
+        (("--order", "fifth"), ("order", "second")),
+        (("--family", "forest"), ("family", "regression")),
+        (("--data", "kcz"), ("data set", "did you mean 'kcs'")),
+        (("--family", "gp", "--order", "first"), ("--order", "regression")),
+        (("--noise", "none"), ("--noise", "gp")),
+        (("--family", "gp", "--noise", "some"), ("noise", "computed")),
+        (("--ship", "kcs_model"), ("--ship", "--samples")),
+        (("--data", "kcs", "--samples", "none.csv"), ("--data", "--samples")),
         (("--samples", "none.csv"), ("none.csv", "no such file")),
+        (("--samples", "none.csv", "--ship", "kcz_model"), ("ship", "kcs_model")),
+        (("--order", "third"), ("10 features", "8 points")),
     ],
 )
 def test_fit_surrogate_refuses_in_one_line(call, arguments, words):
@@ -149,6 +213,7 @@ def test_fit_surrogate_refuses_in_one_line(call, arguments, words):
     assert out == ""
     assert len(err.strip().splitlines()) == 1
     assert all(word in err for word in words), err
+    assert not Path("runs").exists()
 
 
 def test_benchmark_text_and_json(call, monkeypatch):

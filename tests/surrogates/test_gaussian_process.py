@@ -1,21 +1,21 @@
 """The Gaussian process beside Table 3.11 of Knight (2021), and its formulas beside other routes."""
 
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from ship_gym.config import ConfigError, read_csv
+from ship_gym.config import ConfigError
+from ship_gym.reports.surrogate_printed import printed_means, printed_regression_means
 from ship_gym.surrogates.base import held_out_score
+from ship_gym.surrogates.fit import INTERPOLATING, noise_of
 from ship_gym.surrogates.gaussian_process import GaussianProcess
 from ship_gym.surrogates.regression import Regression
+from ship_gym.surrogates.samples import DATA_SETS, KCS, ONRT, SINGLE
 
-PRINTED = Path(__file__).parents[1] / "data"
-SAMPLES = Path(__file__).parents[2] / "ship_gym" / "surrogates" / "data"
-INTERPOLATING = 1e-4
-COLUMNS = {"calculated": "GP sigma_n calculated", "interpolating": "GP sigma_n 0.0001"}
+NOISES = ("printed", "none")
+SIDES = {"": SINGLE, "port": "leeward", "starboard": "windward"}
 
 
 @pytest.fixture(autouse=True)
@@ -27,13 +27,8 @@ def no_warning():
 
 
 def points(ship, quantity, numbers, side=""):
-    rows = read_csv(SAMPLES / f"{ship}_propeller_rudder_cfd.csv").where(grid="G2", turbulence="SA")
-    rows = rows.where(side=side) if side else rows
-    rows = rows.select(
-        np.concatenate([np.flatnonzero(rows.columns["point"] == p) for p in numbers])
-    )
-    beta = rows.si("beta" if ship == "kcs" else "abs(beta)")
-    return np.stack([rows.si("J"), beta], axis=1), rows.columns[quantity]
+    picked = DATA_SETS[ship].read("G2", "SA", SIDES[side]).pick(tuple(numbers))
+    return picked.X, picked.values[quantity]
 
 
 def training(ship, quantity, side=""):
@@ -48,40 +43,30 @@ def held_out_error(model, ship, quantity, side=""):
 
 
 def printed_noise(quantity):
-    return float(
-        read_csv(PRINTED / "error_budget.csv").where(quantity=quantity).columns["sigma_n"][0]
-    )
-
-
-def printed_error(quantity, column):
-    rows = read_csv(PRINTED / "kcs_surrogate_comparison.csv")
-    name = quantity.removeprefix("10")
-    return float(rows.where(**{"training set": "8 point", "quantity": name}).columns[column][0])
+    return noise_of(KCS, "printed", SINGLE, quantity)
 
 
 @pytest.mark.parametrize("quantity", ["K_T", "10K_Q"])
-@pytest.mark.parametrize("noise", COLUMNS)
+@pytest.mark.parametrize("noise", NOISES)
 def test_errors_of_kcs_are_those_of_table_3_11(quantity, noise):
     """Within 0.1 points: half a digit in the printed forces moves them by that much."""
-    sigma_n = printed_noise(quantity) if noise == "calculated" else INTERPOLATING
-    ours = held_out_error(GaussianProcess(sigma_n), "kcs", quantity)
-    assert ours == pytest.approx(printed_error(quantity, COLUMNS[noise]), abs=0.1)
+    ours = held_out_error(GaussianProcess(noise_of(KCS, noise, SINGLE, quantity)), "kcs", quantity)
+    assert ours == pytest.approx(printed_means(KCS, noise, SINGLE)[quantity], abs=0.1)
 
 
 @pytest.mark.parametrize("quantity", ["K_T", "10K_Q"])
 def test_regression_column_of_table_3_11(quantity):
     ours = held_out_error(Regression(), "kcs", quantity)
-    assert ours == pytest.approx(printed_error(quantity, "linear regression"), abs=0.15)
+    assert ours == pytest.approx(printed_regression_means()[quantity], abs=0.15)
 
 
 def onrt_gap(side, quantity, noise):
-    rows = read_csv(PRINTED / "onrt_surrogate_comparison.csv").where(side=side, quantity=quantity)
-    sigma_n = float(rows.columns["sigma_n"][0]) if noise == "calculated" else INTERPOLATING
+    sigma_n = noise_of(ONRT, noise, SIDES[side], quantity)
     ours = held_out_error(GaussianProcess(sigma_n), "onrt", quantity, side)
-    return ours - float(rows.columns[COLUMNS[noise]][0])
+    return ours - printed_means(ONRT, noise, SIDES[side])[quantity]
 
 
-@pytest.mark.parametrize("noise", COLUMNS)
+@pytest.mark.parametrize("noise", NOISES)
 @pytest.mark.parametrize("side", ["port", "starboard"])
 @pytest.mark.parametrize(("quantity", "points_"), [("K_X", 0.15), ("C_Fx", 0.6), ("C_Fy", 0.6)])
 def test_errors_of_onrt_are_the_printed_ones(quantity, points_, side, noise):
@@ -92,10 +77,10 @@ def test_errors_of_onrt_are_the_printed_ones(quantity, points_, side, noise):
 @pytest.mark.parametrize(
     ("side", "noise", "gap"),
     [
-        ("port", "calculated", -0.68),
-        ("starboard", "calculated", 2.73),
-        ("starboard", "interpolating", 1.97),
-        ("port", "interpolating", 2.31),
+        ("port", "printed", -0.68),
+        ("starboard", "printed", 2.73),
+        ("starboard", "none", 1.97),
+        ("port", "none", 2.31),
     ],
 )
 def test_the_side_force_of_onrt_is_not_the_printed_one(side, noise, gap):
@@ -123,7 +108,7 @@ def test_without_noise_the_likelihood_has_a_higher_and_wavy_top():
 
 @pytest.mark.parametrize(
     ("noise", "zero_mean", "averaged_constant"),
-    [("calculated", 3.04, 2.97), ("interpolating", 1.24, 1.52)],
+    [("printed", 3.04, 2.97), ("none", 1.24, 1.52)],
 )
 def test_what_scikit_learn_gives_with_other_means(noise, zero_mean, averaged_constant):
     """The consequences that the docstring of the class names, by scikit-learn alone."""
@@ -132,7 +117,7 @@ def test_what_scikit_learn_gives_with_other_means(noise, zero_mean, averaged_con
 
     X, y = training("kcs", "K_T")
     Z, truth = points("kcs", "K_T", range(1, 5))
-    sigma_n = printed_noise("K_T") if noise == "calculated" else INTERPOLATING
+    sigma_n = printed_noise("K_T") if noise == "printed" else INTERPOLATING
     start = ConstantKernel(y.var(ddof=1) / 2, (1e-9, 1e6)) * RBF(X.std(axis=0, ddof=1), (1e-4, 1e6))
     wide = ConstantKernel((100.0 * y.std()) ** 2, "fixed")
     for kernel, shift, expected in (
