@@ -29,6 +29,7 @@ from ship_gym.ships.open_water import open_water_table
 from ship_gym.ships.particulars import (
     Engine,
     Hull,
+    HullForm,
     Propeller,
     Rudder,
     Ship,
@@ -47,6 +48,7 @@ _SECTIONS = {
     "gear": SteeringGear,
     "engine": Engine,
 }
+_OPTIONAL = {"form": HullForm}
 _NEEDED = (
     "title",
     "status",
@@ -58,7 +60,7 @@ _NEEDED = (
     "open_water",
     *_SECTIONS,
 )
-_TOP = (*_NEEDED, "surrogate", "trial")
+_TOP = (*_NEEDED, *_OPTIONAL, "surrogate", "trial")
 _TOP_UNITS = (("full_length", "m"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", "m/s"))
 _SAME_SHIP = 0.02  # of D / L: rounding of printed particulars
 # rudder formulas in place of a fitted surrogate, with the propeller's open-water curve in the wake
@@ -74,7 +76,7 @@ def available_ships() -> list[str]:
 def available_variants(name: str) -> list[str]:
     """Hull variants of a ship beside its default, e.g. ``["hull_a", "hull_c"]``."""
     folder = _folder(name)
-    base = read_toml(folder / "ship.toml").get("scaled_from")
+    base = read_toml(_file(name)).get("scaled_from")
     own = sorted(path.stem for path in folder.glob("hull_*.toml"))
     return own + (available_variants(base) if base else [])
 
@@ -82,7 +84,7 @@ def available_variants(name: str) -> list[str]:
 def available_surrogates(name: str) -> list[str]:
     """Propeller and rudder surrogates of a ship; ``"none"`` (MMG rudder) and Beaufoy's first."""
     folder = _folder(name)
-    data = read_toml(folder / "ship.toml")
+    data = read_toml(_file(name))
     if "scaled_from" in data:
         return available_surrogates(data["scaled_from"])
     twin = "y_P" in data["propeller"]
@@ -123,7 +125,7 @@ def load_ship(name: str, *, surrogate: str | None = None, variant: str | None = 
 @lru_cache(maxsize=32)
 def _load(name: str, surrogate: str | None, variant: str | None) -> Ship:
     folder = _folder(name)
-    path = Path(name) if name.endswith(".toml") else folder / "ship.toml"
+    path = _file(name)
     data = read_toml(path)
     if "scaled_from" in data:
         base = _load(str(data["scaled_from"]), surrogate, variant)
@@ -147,10 +149,15 @@ def _name_of(name: str) -> str:
     return path.resolve().parent.name if path.stem == "ship" else path.stem
 
 
-def _folder(name: str) -> Path:
+def _file(name: str) -> Path:
+    """The ship file of a ship of the package, or the one that is named."""
     if str(name).endswith(".toml"):
-        return Path(name).parent
-    return DATA / check_known("ship", name, available_ships())
+        return Path(name)
+    return DATA / check_known("ship", name, available_ships()) / "ship.toml"
+
+
+def _folder(name: str) -> Path:
+    return _file(name).parent
 
 
 def _ship(data: Mapping[str, Any], path: Path) -> Ship:
@@ -165,8 +172,11 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
     length = reader.number("hull.L", "m", data["hull"].get("L"), math.nan, data["source"])
     parts = {name: data[name] for name in _SECTIONS}
     parts["hull"] = _estimated_hull(data["hull"], length, reader)
+    parts |= {name: data[name] for name in _OPTIONAL if name in data}
     sections = {
-        name: reader.section(name, cls, parts[name], length) for name, cls in _SECTIONS.items()
+        name: reader.section(name, cls, parts[name], length)
+        for name, cls in (_SECTIONS | _OPTIONAL).items()
+        if name in parts
     }
     top = {
         key: reader.number(key, unit, data[key], length, data["source"]) for key, unit in _TOP_UNITS
@@ -207,7 +217,8 @@ def _estimated_hull(hull: Mapping[str, Any], length: float, reader: _Reader) -> 
 
 def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
     """Ship of a file that scales another one and replaces some of its numbers."""
-    allowed = ("title", "status", "scaled_from", "length", *_SECTIONS)
+    sections = [*_SECTIONS, *(name for name in _OPTIONAL if getattr(base, name) is not None)]
+    allowed = ("title", "status", "scaled_from", "length", *sections)
     for key in data:
         if key not in allowed:
             raise ConfigError(f"{path}: unknown key {key!r};{nearest(key, allowed)}")
@@ -216,7 +227,7 @@ def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
     ship = scaled(base, length)
     changes = {
         name: reader.replaced(name, getattr(ship, name), data[name], length)
-        for name in _SECTIONS
+        for name in sections
         if name in data
     }
     return dataclasses.replace(

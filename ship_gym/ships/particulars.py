@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, check_number
 from ship_gym.tables import Table
 
 
@@ -160,6 +160,32 @@ class Inertia:
 
 
 @dataclasses.dataclass(frozen=True)
+class HullForm:
+    """Shape of the hull under water and the mass distribution, for waves; optional.
+
+    ``seakeeping.hull_form`` draws a hull from it, ``seakeeping.snnm`` and the motions in waves read
+    the lengths, draughts and radii. The trim is for the added resistance only: every mesh is on
+    even keel at the mean draught ``hull.d``.
+    """
+
+    C_m: float = quantity("-", "midship section coefficient, by B d")
+    C_wp: float = quantity("-", "waterplane coefficient, by L B")
+    x_B: float = quantity("m", "centre of buoyancy, forward of midship positive")
+    x_F: float = quantity("m", "centre of the waterplane, forward of midship positive")
+    parallel: float = quantity("m", "half length of the parallel middle body, about midship")
+    b_transom: float = quantity("-", "breadth of the waterline at the transom, by B; 0: pointed")
+    a_transom: float = quantity("-", "area of the transom under water, by C_m B d")
+    x_keel: float = quantity("m", "aft of here the keel rises to the transom; forward positive")
+    L_E: float = quantity("m", "length of entrance of the waterline, to 0.99 of the beam")
+    L_R: float = quantity("m", "length of run of the waterline, to 0.99 of the beam")
+    KG: float = quantity("m", "centre of gravity above the keel")
+    GM: float = quantity("m", "transverse metacentric height")
+    k_xx: float = quantity("m", "radius of gyration in roll about the centre of gravity")
+    k_yy: float = quantity("m", "radius of gyration in pitch about the centre of gravity")
+    trim: float = quantity("m", "draught at the stern minus draught at the bow", 0.0)
+
+
+@dataclasses.dataclass(frozen=True)
 class Trial:
     """A measured manoeuvre to compare with."""
 
@@ -188,6 +214,8 @@ class Ship:
         C_T, C_Q over the advance angle.
     surrogate : Table or None
         CFD surrogate at the trained rudder angle; None: MMG rudder, open-water propeller.
+    form : HullForm or None
+        Hull form and mass distribution, for meshes and loads in waves; None: not in the file.
     sources : dict
         "section.field" to the source of its number.
     estimated : dict
@@ -211,6 +239,7 @@ class Ship:
     surrogate_name: str = "none"
     variant: str = "published"
     trials: tuple[Trial, ...] = ()
+    form: HullForm | None = None
     sources: dict[str, str] = dataclasses.field(default_factory=dict)
     estimated: dict[str, str] = dataclasses.field(default_factory=dict)
 
@@ -275,8 +304,34 @@ def check_sections(ship: Ship) -> None:
     block = ship.hull.volume / (ship.hull.L * ship.hull.B * ship.hull.d)
     if not 0.2 < block < 1.0:
         raise ConfigError(f"{ship.name}: block coefficient {block:.3f}: allowed is 0.2 to 1")
+    if ship.form is not None:
+        _check_form(ship)
     if ship.gear.delta_max > math.pi / 2:
         raise ConfigError(f"{ship.name}: gear.delta_max = {ship.gear.delta_max} rad: at most pi/2")
     inertia = ship.inertia
     if inertia.m_v * inertia.I_r <= inertia.m_xG**2 or not np.isfinite(inertia.I_r):
         raise ConfigError(f"{ship.name}: the mass matrix is not positive definite")
+
+
+def _check_form(ship: Ship) -> None:
+    """Refuse lengths and coefficients that no hull form has, before one is drawn."""
+    L, B = ship.hull.L, ship.hull.B
+    lengths = {"KG": (0.0, B), "GM": (0.0, B), "k_xx": (0.1 * B, B), "k_yy": (0.1 * L, 0.5 * L)}
+    lengths |= {"L_E": (0.05 * L, L), "L_R": (0.05 * L, L), "parallel": (0.0, 0.45 * L)}
+    lengths |= {"x_B": (-0.15 * L, 0.15 * L), "x_F": (-0.15 * L, 0.15 * L)}
+    lengths |= {"x_keel": (-0.5 * L, 0.0), "trim": (-ship.hull.d, ship.hull.d)}
+    for name, (low, high) in lengths.items():
+        check_number(f"{ship.name}: form.{name}", getattr(ship.form, name), low, high, "m")
+    shares = {
+        "C_m": (0.4, 1.0),
+        "C_wp": (0.4, 1.0),
+        "b_transom": (0.0, 1.0),
+        "a_transom": (0.0, 1.0),
+    }
+    for name, (low, high) in shares.items():
+        check_number(f"{ship.name}: form.{name}", getattr(ship.form, name), low, high)
+    if (ship.form.b_transom > 0.0) != (ship.form.a_transom > 0.0):
+        raise ConfigError(
+            f"{ship.name}: form.b_transom = {ship.form.b_transom}, form.a_transom = "
+            f"{ship.form.a_transom}: a transom needs both, a pointed stern neither"
+        )

@@ -98,6 +98,7 @@ def scaled(
         rudder=scaled_section(ship.rudder, ratio),
         gear=scaled_section(ship.gear, ratio),
         engine=scaled_section(ship.engine, ratio, rho / ship.rho),
+        form=None if ship.form is None else scaled_section(ship.form, ratio),
         surrogate=_scaled_surrogate(ship.surrogate, ratio),
         trials=trials,
     )

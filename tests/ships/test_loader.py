@@ -140,6 +140,8 @@ def test_a_ship_file_from_outside_the_package(own_ship):
     assert ship.hull == load_ship("kvlcc2_model").hull and ship.name == "mine"
     own_ship.write_text(own_ship.read_text().replace("R_0 = 0.022", "R_0 = 0.044"))
     assert load_ship(str(own_ship)).hull.R_0 == 0.044  # an edited file is read again
+    renamed = own_ship.rename(own_ship.with_name("tanker.toml"))
+    assert load_ship(str(renamed)).name == "tanker"
 
 
 @pytest.mark.parametrize(

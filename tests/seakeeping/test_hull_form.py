@@ -1,0 +1,141 @@
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from ship_gym.config import ConfigError
+from ship_gym.seakeeping.hull_checks import check_mesh
+from ship_gym.seakeeping.hull_form import (
+    Curve,
+    fitted_curve,
+    hull_lines,
+    parametric_mesh,
+    section_coefficient,
+    section_exponent,
+    section_points,
+    transom_draught,
+)
+from ship_gym.seakeeping.hydrostatics import closure, hydrostatics
+from ship_gym.ships import available_ships, load_ship
+
+WITH_FORM = [name for name in available_ships() if load_ship(name).form is not None]
+
+
+def changed(ship, **changes):
+    return dataclasses.replace(ship, form=dataclasses.replace(ship.form, **changes))
+
+
+def test_section_coefficient_of_known_shapes():
+    # ellipse, triangle; n = 1/2: Gamma(3)^2 / Gamma(5) = 4 / 24
+    np.testing.assert_allclose(
+        section_coefficient([2.0, 1.0, 0.5]), [math.pi / 4, 0.5, 1.0 / 6.0], rtol=1e-12
+    )
+
+
+def test_section_exponent_is_the_inverse():
+    c = np.linspace(0.02, 0.999, 50)
+    np.testing.assert_allclose(section_coefficient(section_exponent(c)), c, atol=1e-5)
+
+
+@pytest.mark.parametrize("n", [0.5, 1.0, 2.0, 9.0])
+def test_section_points_lie_on_the_section_and_hold_its_area(n):
+    points = section_points(3.0, 2.0, n, 60)
+    assert points[0].tolist() == [0.0, 2.0] and points[-1].tolist() == [3.0, 0.0]
+    np.testing.assert_allclose(
+        (points[:, 0] / 3.0) ** n + (points[:, 1] / 2.0) ** n, 1.0, atol=0.03
+    )
+    y, z = points.T
+    area = -np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(z))
+    assert area == pytest.approx(6.0 * section_coefficient(n), rel=0.01)
+
+
+def test_moments_of_a_curve_beside_quadrature():
+    curve = Curve(2.3, 1.7, 1.4, 0.1, 0.08)
+    x = -0.5 + (np.arange(200000) + 0.5) / 200000
+    area, first = curve.moments()
+    assert area == pytest.approx(curve(x).mean(), rel=1e-8)
+    assert first == pytest.approx((x * curve(x)).mean(), rel=1e-6)
+
+
+def test_fitted_curve_has_its_area_and_centre():
+    curve = fitted_curve(0.82, -0.045, 1.0, 0.57, 0.08, ("C_wp", "x_F / L"))
+    area, first = curve.moments()
+    assert area == pytest.approx(0.82, abs=1e-10)
+    assert first / area == pytest.approx(-0.045, abs=1e-10)
+
+
+@pytest.mark.parametrize("name", WITH_FORM)
+def test_the_drawn_hull_of_every_ship(name):
+    """Waves.md: volume -0.3 to -0.6 %, centre of buoyancy within 0.1 % L. ONRT has -0.68 %."""
+    ship = load_ship(name)
+    mesh = parametric_mesh(ship)
+    found = hydrostatics(mesh)
+    assert mesh.symmetric and 656 <= mesh.count <= 1220
+    assert -0.007 < found.volume / ship.hull.volume - 1.0 < -0.002  # chords lie inside the hull
+    assert abs(found.x_B - ship.form.x_B) < 0.001 * ship.hull.L
+    assert abs(found.x_F - ship.form.x_F) < 0.001 * ship.hull.L
+    assert found.A_wp == pytest.approx(ship.form.C_wp * ship.hull.L * ship.hull.B, rel=0.002)
+    assert found.draught == pytest.approx(ship.hull.d)
+    assert found.L_wl == pytest.approx(ship.hull.L)
+    assert closure(mesh) < 1e-12
+    assert mesh.areas.min() > 1e-5 * mesh.areas.mean()
+    check_mesh(mesh, ship, name)
+
+
+def test_published_numbers_of_kcs():
+    """9,424 m2 and 0.6 m + 14.3 m are published (SIMMAN 2020, Knight 2021)."""
+    found = hydrostatics(parametric_mesh(load_ship("kcs")))
+    assert found.S == pytest.approx(9424.0, rel=0.01)  # 9,353
+    assert found.KM == pytest.approx(14.9, rel=0.01)
+
+
+def test_finer_panels_converge_to_the_volume():
+    ship = load_ship("kcs_model")
+    errors = [
+        1.0 - hydrostatics(parametric_mesh(ship, s, g)).volume / ship.hull.volume
+        for s, g in ((22, 4), (44, 8), (88, 16), (176, 32))
+    ]
+    assert errors[3] < 0.0006
+    assert all(b < 0.45 * a for a, b in itertools.pairwise(errors))
+
+
+def test_the_transom_has_its_area():
+    ship = load_ship("onrt_model")
+    lines = hull_lines(ship)
+    f = ship.form
+    end = transom_draught(f.a_transom, f.b_transom, f.C_m)
+    assert lines.draught[0] == pytest.approx(end * ship.hull.d)
+    assert lines.half_breadth[0] == pytest.approx(0.5 * f.b_transom * ship.hull.B)
+    assert section_coefficient(lines.exponent[0]) == pytest.approx(2.0 / 3.0, abs=1e-4)
+
+
+def test_a_pointed_stern_needs_no_transom():
+    ship = changed(load_ship("kcs"), b_transom=0.0, a_transom=0.0, C_wp=0.80, x_F=-2.0)
+    check_mesh(parametric_mesh(ship), ship)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"C_wp": 0.45}, r"C_wp = 0\.4500: allowed is 0\.\d+ to 0\.9"),
+        ({"C_wp": 0.99}, r"C_wp = 0\.9900: allowed is"),
+        ({"x_F": 20.0}, r"x_F / L = 0\.0870: allowed is -0\.\d+ to 0\.0"),
+        ({"C_m": 0.5}, r"C_b / C_m = 1\.\d+: allowed is"),
+        ({"C_m": 0.70}, r"sectional area is \d\.\d+ of breadth times draught.*raise C_wp"),
+    ],
+)
+def test_a_form_that_does_not_exist_says_which_number(changes, message):
+    with pytest.raises(ConfigError, match=message):
+        parametric_mesh(changed(load_ship("kcs"), **changes))
+
+
+def test_a_centre_that_no_curve_has_says_the_range():
+    with pytest.raises(ConfigError, match=r"x_B / L = 0\.2000: allowed is -0\.\d+ to 0\.1"):
+        fitted_curve(0.66, 0.2, 1.4, 0.01, 0.08, ("C_b / C_m", "x_B / L"))
+
+
+def test_a_ship_without_form_is_refused():
+    with pytest.raises(ConfigError, match=r"kcs: no section \[form\]"):
+        hull_lines(dataclasses.replace(load_ship("kcs"), form=None))
