@@ -11,7 +11,6 @@ from ship_gym.config import ConfigError
 from ship_gym.reports import manoeuvre as report
 from ship_gym.reports.balance import last_turn, steady_balance, surge_balance
 from ship_gym.reports.case import sail, sail_trial, trials
-from ship_gym.reports.surrogate import printed_errors
 from ship_gym.reports.text import table
 from ship_gym.ships.loader import load_ship
 from ship_gym.simulation import self_propulsion
@@ -87,7 +86,3 @@ def test_ship_without_trials_and_unknown_measure_are_refused(circle):
 
 def test_table_aligns():
     assert table(["a", "b"], [["x", "10"], ["long", "9"]]) == "a      b\nx     10\nlong   9"
-
-
-def test_printed_errors_are_optional(tmp_path):
-    assert printed_errors(tmp_path / "none.csv", "G2_SA", [1]) == {}
