@@ -30,12 +30,12 @@ COMMAND_NAMES = ("delta_command", "n_command")
 N_COMMANDS = 2
 
 # Rows of the force breakdown; columns are surge X [N], sway Y [N], yaw moment N [N m] at midship.
-# Hull, propeller and rudder are of the start of an interval, the disturbance of the middle of its
-# first integration step, during which it is held.
-FORCE_COMPONENTS = ("hull", "propeller", "rudder", "disturbance")
+# Hull, propeller, rudder, wave drift and wind are of the start of an interval, the disturbance of
+# the middle of its first integration step. The last three are held during an integration step.
+FORCE_COMPONENTS = ("hull", "propeller", "rudder", "wave", "wind", "disturbance")
 FORCE_AXES = ("X", "Y", "N")
-HULL, PROPELLER, RUDDER, DISTURBANCE = range(4)
-N_FORCES = 4
+HULL, PROPELLER, RUDDER, WAVE, WIND, DISTURBANCE = range(6)
+N_FORCES = 6
 
 # Flow diagnostics that accompany the forces.
 FLOW_NAMES = ("J", "beta_P", "beta_R", "thrust", "torque", "rudder_normal_force", "extrapolation")
@@ -46,6 +46,7 @@ G = 9.80665  # standard gravity [m/s2], CGPM 1901
 RHO_SEA = 1026.021  # sea water at 15 C [kg/m3], ITTC 7.5-02-01-03 (2011) table 2
 RHO_FRESH = 999.103  # fresh water at 15 C [kg/m3], ITTC 7.5-02-01-03 (2011) table 1
 NU_SEA = 1.1892e-6  # kinematic viscosity of sea water at 15 C [m2/s], ITTC 7.5-02-01-03 (2011)
+RHO_AIR = 1.225  # dry air at 15 C and 1013.25 hPa [kg/m3], ISO 2533 (1975)
 NU_FRESH = 1.1386e-6  # kinematic viscosity of fresh water at 15 C [m2/s], ITTC 7.5-02-01-03 (2011)
 KNOT = 1852.0 / 3600.0  # [m/s]
 

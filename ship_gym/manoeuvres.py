@@ -268,9 +268,9 @@ class _Run:
         sim, command = self.sim, np.array([[delta, self.n]])
         end = sim.time[0] + longest
         while sim.time[0] < end and not reached(sim, sim.time[0]):
-            time, state = sim.time[0], sim.state[0].copy()
+            time, state, waves = sim.time[0], sim.state[0].copy(), sim.waves[0].copy()
             sim.step(command, self.dt)
-            row = (time, state, sim.commands[0], sim.forces[0], sim.flow[0])
+            row = (time, state, sim.commands[0], sim.forces[0], sim.flow[0], waves)
             self._kept.append(tuple(np.array(part) for part in row))
 
     def overshoot(self, start: int, side: float, target: float) -> float:

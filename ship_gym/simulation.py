@@ -26,8 +26,10 @@ from ship_gym.conventions import (
 from ship_gym.physics.disturbance import set_phases
 from ship_gym.physics.dynamics import forces as ship_forces
 from ship_gym.physics.dynamics import over_ground
-from ship_gym.physics.step import step_batch, step_batch_parallel
-from ship_gym.sea.state import CALM, N_PHASES, Sea, sea_records
+from ship_gym.physics.step import see_waves, step_batch, step_batch_parallel
+from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_waves
+from ship_gym.sea.records import waters
+from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet
 
@@ -61,12 +63,17 @@ class ShipSim:
     time : numpy.ndarray
         Time since reset of each ship [s], shape (n,).
     forces : numpy.ndarray
-        X, Y [N], N [N m] by component at the start of the last step, shape (n, 4, 3),
+        X, Y [N], N [N m] by component at the start of the last step, shape (n, 6, 3),
         ``conventions.FORCE_COMPONENTS`` by ``FORCE_AXES``.
     flow : numpy.ndarray
         Diagnostics at the start of the last step, shape (n, 7), ``conventions.FLOW_NAMES``.
+    waves : numpy.ndarray
+        Wave drift and wave-frequency motion now, at the end of the last step, shape (n, 9),
+        ``physics.waves.WAVE_NAMES``. The motion is what sensors see on top of the state.
     records : numpy.ndarray
         Parameters of each ship; writing a column randomises it.
+    water : sea.records.Waters
+        Seas of the ships; `set_sea` draws their phases.
     """
 
     def __init__(
@@ -83,7 +90,11 @@ class ShipSim:
         made = fleet(self.ships)
         self.records, self._water, self._deflected = made.records, made.water, made.deflected
         sea = CALM if sea is None else sea
-        self.seas = sea_records(self.ships, sea if isinstance(sea, Sea) else list(sea))
+        self.water = waters(self.ships, sea if isinstance(sea, Sea) else list(sea))
+        self.seas = self.water.records
+        given = [sea] * self.n if isinstance(sea, Sea) else list(sea)
+        self._waves_to = np.array([s.wave_direction_to for s in given])
+        self.waves = np.zeros((self.n, N_WAVE_STATE))
         self.parallel = self.n >= PARALLEL_FROM if parallel is None else bool(parallel)
         self._step = step_batch_parallel if self.parallel else step_batch
         self.state = np.zeros((self.n, N_STATES))
@@ -134,8 +145,37 @@ class ShipSim:
         over_ground(self.state, self.seas)
         self.time[:] = 0.0
         draws = [np.random.default_rng(None if seed is None else seed + i) for i in range(self.n)]
-        set_phases(self.seas, np.stack([rng.random(N_PHASES) for rng in draws]))
+        uniform = np.stack([rng.random(self.water.n_phases) for rng in draws])
+        self.set_sea(np.arange(self.n), uniform, self._waves_to)
         return self.state
+
+    def set_sea(self, which: np.ndarray, uniform: np.ndarray, waves_to: np.ndarray) -> None:
+        """Draw the seas of some ships anew; their states and times must be set before.
+
+        Parameters
+        ----------
+        which : numpy.ndarray
+            Indices, shape (m,).
+        uniform : numpy.ndarray
+            Uniform numbers in [0, 1), shape (m, ``water.n_phases``).
+        waves_to : numpy.ndarray
+            Where the waves go to, from north [rad], shape (m,).
+        """
+        water = self.water
+        seas = self.seas[which]
+        set_phases(seas, uniform)
+        self.seas[which] = seas
+        if water.n_waves:
+            for row, i in enumerate(which.tolist()):
+                phases = uniform[row, -water.n_waves :]
+                set_waves(water.components[i], waves_to[row], phases, water.waves[i])
+            see_waves(which, self.time, self.state, *self._field, self.waves)
+
+    @property
+    def _field(self):
+        """Arrays of the seas, as the kernels take them."""
+        water = self.water
+        return self.seas, water.waves, water.groups, water.response, water.winds
 
     def self_propulsion(self, speed: np.ndarray) -> np.ndarray:
         """Propeller speed [rev/s] of each ship that holds a speed [m/s] on a straight course."""
@@ -209,8 +249,10 @@ class ShipSim:
             self.seas,
             self._water,
             self._deflected,
+            *self._field[1:],
             self.forces,
             self.flow,
+            self.waves,
         )
         if alive < self.n:
             self._report_divergence()
@@ -273,20 +315,26 @@ def self_propulsion(ship: Ship, speed: float) -> float:
 
 
 def history_columns(
-    time: np.ndarray, state: np.ndarray, command: np.ndarray, forces: np.ndarray, flow: np.ndarray
+    time: np.ndarray,
+    state: np.ndarray,
+    command: np.ndarray,
+    forces: np.ndarray,
+    flow: np.ndarray,
+    waves: np.ndarray,
 ) -> dict[str, np.ndarray]:
     """Columns of a recording of one ship.
 
     Parameters
     ----------
-    time, state, command, forces, flow : numpy.ndarray
-        Shapes (T,), (T, 8), (T, 2), (T, 4, 3), (T, 7): row k holds the state at ``time[k]``, the
-        command given then and the forces and flow at that instant.
+    time, state, command, forces, flow, waves : numpy.ndarray
+        Shapes (T,), (T, 8), (T, 2), (T, 6, 3), (T, 7), (T, 9): row k holds the state at
+        ``time[k]``, the command given then and the forces, flow and waves at that instant.
 
     Returns
     -------
     dict
-        ``t``, the state and command names, ``X_hull`` ... ``N_disturbance`` and the flow names.
+        ``t``, the state and command names, ``X_hull`` ... ``N_disturbance``, the flow names and
+        ``wave_sway`` [m], ``wave_roll``, ``wave_yaw`` [rad], ``wave_yaw_rate`` [rad/s].
     """
     columns = {"t": time}
     columns.update({name: state[:, i] for i, name in enumerate(STATE_NAMES)})
@@ -295,6 +343,8 @@ def history_columns(
         for k, axis in enumerate(FORCE_AXES):
             columns[f"{axis}_{component}"] = forces[:, i, k]
     columns.update({name: flow[:, i] for i, name in enumerate(FLOW_NAMES)})
+    for name in ("sway", "roll", "yaw", "yaw_rate"):
+        columns[f"wave_{name}"] = waves[:, WAVE_NAMES.index(name)]
     return {name: np.array(values, dtype=np.float64) for name, values in columns.items()}
 
 

@@ -19,18 +19,14 @@ from ship_gym.conventions import (
     N,
     U,
 )
-from ship_gym.physics.disturbance import set_phases
 from ship_gym.physics.dynamics import over_ground
 from ship_gym.scenarios.scenario import Scenario
-from ship_gym.sea.state import N_PHASES, Sea
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim, self_propulsion
 from ship_gym.tasks import heading
 
 N_ACTIONS = {"rudder": 1, "rudder+rpm": 2}
-# uniform numbers of one reset: ordered heading, heading error, current speed and direction, phases
-N_DRAWS = 4 + N_PHASES
 # fields of a ship's surrogate that randomisation draws, and where it cuts the normal distribution
 SURROGATE_DRAWS = ("z_T", "z_Q", "z_S", "z_N", "z_A")
 _CUT = 3.0
@@ -67,18 +63,17 @@ class EpisodeBatch:
     ):
         self.scenario = scenario
         self.ship = load_ship(scenario.ship, surrogate=scenario.surrogate) if ship is None else ship
-        sea = Sea(
-            sway_disturbance=scenario.sea.sway_disturbance,
-            yaw_disturbance=scenario.sea.yaw_disturbance,
-            correlation_time=scenario.sea.correlation_time,
-        )
-        self.sim = ShipSim(self.ship, n, sea, parallel)
-        self.n = n
-        self.n_actions = N_ACTIONS[scenario.control]
         self._surrogate_std = scenario.randomisation.surrogate_std
         if self._surrogate_std > 0.0:
             check_has_std(self.ship)
-        self.n_draws = N_DRAWS + (len(SURROGATE_DRAWS) if self._surrogate_std > 0.0 else 0)
+        self.sim = ShipSim(self.ship, n, scenario.sea.sea().scaled(self.ship.scale), parallel)
+        self._largest = self.sim.water.components[0, :, 0].copy()  # amplitudes at `wave_height`
+        extra = 3 if scenario.sea.wave_height > 0.0 or scenario.sea.wind_speed > 0.0 else 0
+        drawn = len(SURROGATE_DRAWS) if self._surrogate_std > 0.0 else 0
+        self._draws = np.cumsum([4, self.sim.water.n_phases, extra, drawn]).tolist()
+        self.n_draws = self._draws[-1]
+        self.n = n
+        self.n_actions = N_ACTIONS[scenario.control]
         self.dt = scenario.control_interval / self.ship.time_unit
         self.tasks = np.zeros(n, heading.TASK_DTYPE)
         self._fill_tasks()
@@ -112,7 +107,9 @@ class EpisodeBatch:
         which : numpy.ndarray
             Indices of the episodes, shape (m,).
         draws : numpy.ndarray
-            Uniform numbers in [0, 1), shape (m, n_draws): all randomness of the episodes.
+            Uniform numbers in [0, 1), shape (m, n_draws): all randomness of the episodes. Ordered
+            heading, heading error, current speed and direction; phases; then, where the scenario
+            has them, wave height, direction of waves and wind, wind speed; surrogate.
         """
         sim, tasks = self.sim, self.tasks
         order = math.pi * (2.0 * draws[:, 0] - 1.0)
@@ -125,10 +122,12 @@ class EpisodeBatch:
         east = np.array([V * math.sin(a) for V, a in zip(speed, towards, strict=True)])
         seas = sim.seas[which]
         seas["V_north"], seas["V_east"] = north, east
-        set_phases(seas, draws[:, 4:N_DRAWS])
+        seas["mean_north"], seas["mean_east"] = north, east
         sim.seas[which] = seas
+        phases, sea, drawn = np.split(draws[:, 4:], [k - 4 for k in self._draws[1:3]], axis=1)
+        waves_to = self._draw_waves_and_wind(which, sea)
         if self._surrogate_std > 0.0:
-            z = np.clip(ndtri(draws[:, N_DRAWS:]), -_CUT, _CUT) * self._surrogate_std
+            z = np.clip(ndtri(drawn), -_CUT, _CUT) * self._surrogate_std
             for name, column in zip(SURROGATE_DRAWS, z.T, strict=True):
                 sim.records["surrogate"][name][which] = column
         tasks["psi_ordered"][which] = order
@@ -145,13 +144,31 @@ class EpisodeBatch:
         self.terminated[which], self.truncated[which] = False, False
         self.elapsed[which] = 0
         self._begun = True
+        sim.set_sea(which, phases, waves_to)
         self.observe()
+
+    def _draw_waves_and_wind(self, which: np.ndarray, uniform: np.ndarray) -> np.ndarray:
+        """Set height of the waves and wind of some episodes; where the waves go to [rad]."""
+        if uniform.shape[1] == 0:
+            return np.zeros(len(which))
+        sea, sim = self.scenario.sea, self.sim
+        if sim.water.n_waves:
+            low = sea.wave_height_min / sea.wave_height
+            share = low + (1.0 - low) * uniform[:, 0]
+            sim.water.components[which, :, 0] = share[:, None] * self._largest
+        towards = math.pi * (2.0 * uniform[:, 1] - 1.0)
+        speed = sea.wind_speed / self.ship.time_unit * uniform[:, 2]
+        seas = sim.seas[which]
+        for k, (V, a) in enumerate(zip(speed.tolist(), towards.tolist(), strict=True)):
+            seas["wind_north"][k], seas["wind_east"][k] = V * math.cos(a), V * math.sin(a)
+        sim.seas[which] = seas
+        return towards
 
     def observe(self) -> None:
         """Refresh the observations from the present states."""
         sim = self.sim
         heading.observe_batch(
-            sim.state, sim.commands, sim.records, sim.seas, self.tasks, self.observations
+            sim.state, sim.waves, sim.commands, sim.records, sim.seas, self.tasks, self.observations
         )
 
     def randomisation(self) -> dict[str, np.ndarray]:

@@ -30,7 +30,7 @@ from ship_gym.tasks.heading import REWARD_TERMS
 TUNING_SEED = 500_000
 EVALUATION_SEED = 2_000_000
 
-_HISTORIES = ("time", "states", "commands", "forces", "flow")
+_HISTORIES = ("time", "states", "commands", "forces", "flow", "waves")
 
 
 def evaluation_seeds(n: int) -> list[int]:
@@ -67,7 +67,8 @@ class Rollout:
         Whether each episode ended as failed, shape (n,); else it was truncated.
     histories : dict
         ``time`` [s] (T+1, n), ``states`` (T+1, n, 8), ``commands`` (T+1, n, 2), ``forces``
-        (T+1, n, 4, 3), ``flow`` (T+1, n, 7), ``terms`` (T, n, 5), ``rewards`` (T, n).
+        (T+1, n, 6, 3), ``flow`` (T+1, n, 7), ``waves`` (T+1, n, 9), ``terms`` (T, n, 5),
+        ``rewards`` (T, n).
     psi_ordered : numpy.ndarray
         Ordered heading [rad], shape (n,).
     current : numpy.ndarray
@@ -243,6 +244,7 @@ class _Log:
             "commands": sim.commands,
             "forces": sim.forces,
             "flow": sim.flow,
+            "waves": sim.waves,
         }
         self._earned = {"terms": batch.terms, "rewards": batch.rewards}
         rows = batch.scenario.steps
@@ -255,7 +257,7 @@ class _Log:
 
     def sail(self, k: int, actions: np.ndarray) -> None:
         """Sail interval k and keep its start, its forces and its reward."""
-        for name in ("time", "states"):
+        for name in ("time", "states", "waves"):
             self.histories[name][k] = self._now[name]
         self.batch.step(actions)
         # The engine's forces, flow and command belong to the start of the interval.
@@ -271,7 +273,7 @@ class _Log:
     def close(self, k: int) -> None:
         """Fill row k, the final state, with the forces that one more step finds at its start."""
         sim = self.batch.sim
-        for name in ("time", "states"):
+        for name in ("time", "states", "waves"):
             self.histories[name][k] = self._now[name]
         sim.advance()
         for name in ("commands", "forces", "flow"):

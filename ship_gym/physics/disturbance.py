@@ -14,11 +14,9 @@ def disturbance_forces(time, sea):
     Parameters
     ----------
     sea : record
-        ``ship_gym.sea.state.SEA_DTYPE``: ``omega_1`` [rad/s] and the coefficients of
+        ``ship_gym.sea.records.SEA_DTYPE``: ``omega_1`` [rad/s] and the coefficients of
         cos(k omega_1 t), sin(k omega_1 t) for k = 1..N.
     """
-    if sea.disturbed == 0:
-        return 0.0, 0.0
     c1, s1 = math.cos(sea.omega_1 * time), math.sin(sea.omega_1 * time)
     c, s = c1, s1
     Y = 0.0
@@ -37,8 +35,9 @@ def set_phases(seas, uniform):
     Parameters
     ----------
     seas : structured ndarray (n,)
-    uniform : ndarray (n, 2 N)
-        Phases of the sway force, then of the yaw moment, as fractions of a turn.
+    uniform : ndarray (n, 2 N) or (n, 2 N + 1 + gusts + waves)
+        Phases of the sway force, of the yaw moment, then of the current and the gusts, as fractions
+        of a turn; those of the waves follow (``waves.set_waves``).
     """
     for i in range(len(seas)):
         sea = seas[i]
@@ -50,3 +49,7 @@ def set_phases(seas, uniform):
             sea.Y_sin[k] = -sea.Y_std * sea.amplitude[k] * math.sin(phase_Y)
             sea.N_cos[k] = sea.N_std * sea.amplitude[k] * math.cos(phase_N)
             sea.N_sin[k] = -sea.N_std * sea.amplitude[k] * math.sin(phase_N)
+        if uniform.shape[1] > 2 * count:
+            sea.variation_phase = uniform[i, 2 * count]
+            for k in range(len(sea.gust_phase)):
+                sea.gust_phase[k] = uniform[i, 2 * count + 1 + k]

@@ -97,6 +97,15 @@ def water_velocity(psi, sea):
 
 
 @kernel
+def vary_current(time, sea):
+    """Set the current of this time: its mean times 1 + variation cos(omega t + phase)."""
+    if sea.variation > 0.0:
+        phase = sea.variation_omega * time + 2.0 * math.pi * sea.variation_phase
+        factor = 1.0 + sea.variation * math.cos(phase)
+        sea.V_north, sea.V_east = sea.mean_north * factor, sea.mean_east * factor
+
+
+@kernel
 def over_ground(states, seas):
     """Make the velocities of `states` (n, 8) through the water into those over ground, in place."""
     for i in range(len(states)):

@@ -11,22 +11,23 @@ from ship_gym.physics.dynamics import accelerations, forces, water_velocity
 
 @kernel
 def derivative(body, controls, load, ship, sea, tables):
-    """Time derivative of (u, v, r, x, y, psi), the force components behind it and the flow.
+    """Time derivative of (u, v, r, x, y, psi), hull, propeller and rudder force, and the flow.
 
-    `load` is the disturbance (Y [N], N [N m]) of this step. A uniform current enters by relative
-    velocity; its rotation in body axes gives back the acceleration over ground.
+    `load` is what is held during this step, X, Y [N] and N [N m] of waves, wind and disturbance. A
+    uniform current enters by relative velocity; its rotation in body axes gives back the
+    acceleration over ground.
     """
     u, v, r, _, _, psi = body
     u_c, v_c = water_velocity(psi, sea)
     motion = (u - u_c, v - v_c, r)
     H, P, R, flow = forces(motion, controls, ship, tables)
-    X = H[0] + P[0] + R[0]
-    Y = H[1] + P[1] + R[1] + load[0]
-    N = H[2] + P[2] + R[2] + load[1]
+    X = H[0] + P[0] + R[0] + load[0]
+    Y = H[1] + P[1] + R[1] + load[1]
+    N = H[2] + P[2] + R[2] + load[2]
     du, dv, dr = accelerations(motion, X, Y, N, ship.inertia)
     c, s = math.cos(psi), math.sin(psi)
     rates = (du + r * v_c, dv - r * u_c, dr, u * c - v * s, u * s + v * c, r)
-    return rates, (H, P, R, (0.0, load[0], load[1])), flow
+    return rates, (H, P, R), flow
 
 
 @kernel

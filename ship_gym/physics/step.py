@@ -6,11 +6,44 @@ import math
 
 from ship_gym.physics._kernel import batch, kernel, prange
 from ship_gym.physics.disturbance import disturbance_forces
+from ship_gym.physics.dynamics import vary_current, water_velocity
 from ship_gym.physics.integrate import runge_kutta_4
+from ship_gym.physics.waves import wave_loads
+from ship_gym.physics.wind import wind_forces
 
 
 @kernel
-def step_one(state, command, clock, ship, sea, tables):
+def waves_now(time, body, sea, around):
+    """Drift and wave-frequency motion of one ship at one instant (``waves.WAVE_NAMES``)."""
+    waves, groups, response, _ = around
+    u_c, _ = water_velocity(body[5], sea)
+    grid = (sea.speed_step, body[0] - u_c)
+    X, Y, N, sway, sway_velocity, roll, yaw, yaw_rate, fast = wave_loads(
+        time, body, waves, groups, response, grid, sea.mean_drift == 1
+    )
+    on, outside = sea.drift, max(fast, sea.waves_outside)
+    return on * X, on * Y, on * N, sway, sway_velocity, roll, yaw, yaw_rate, outside
+
+
+@kernel
+def held_loads(time, dt, body, sea, seen, winds):
+    """Loads that are held during an integration step: wave drift, wind, disturbance.
+
+    Drift and wind are those of its start, the disturbance that of its middle.
+    """
+    wave, wind, disturbance = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    if sea.wavy == 1:
+        wave = (seen[0], seen[1], seen[2])
+    if sea.windy == 1:
+        wind = wind_forces(time, body, sea, winds)
+    if sea.disturbed == 1:
+        Y, N = disturbance_forces(time + 0.5 * dt, sea)
+        disturbance = (0.0, Y, N)
+    return wave, wind, disturbance
+
+
+@kernel
+def step_one(state, command, clock, ship, sea, tables, around):
     """One control interval of one ship.
 
     Parameters
@@ -20,23 +53,42 @@ def step_one(state, command, clock, ship, sea, tables):
         Rudder [rad] and propeller speed [rev/s].
     clock : (float, float, int)
         Time at the start [s], length of one integration step [s], number of steps.
+    around : ((ndarray, ndarray, ndarray, ndarray), tuple of 9 floats)
+        Waves, groups, response and wind table of this ship, and ``waves_now`` at the start.
 
     Returns
     -------
     state : tuple of 8 floats
-    components : 4 x (float, float, float)
-        X, Y [N], N [N m] of hull, propeller, rudder at the start of the interval and of the
-        disturbance, which is held during an integration step at its value in the middle.
+    components : 6 x (float, float, float)
+        X, Y [N], N [N m] of ``conventions.FORCE_COMPONENTS`` in the first integration step.
     flow : tuple of 7 floats
         ``conventions.FLOW_NAMES`` at the start of the interval.
+    seen : tuple of 9 floats
+        ``waves_now`` at the end.
     """
     time, dt, steps = clock
-    load = disturbance_forces(time + 0.5 * dt, sea)
-    state, components, flow = runge_kutta_4(state, command, load, dt, ship, sea, tables)
+    field, seen = around
+    vary_current(time, sea)
+    held = held_loads(time, dt, state[:6], sea, seen, field[3])
+    state, own, flow = runge_kutta_4(state, command, total(held), dt, ship, sea, tables)
+    components = own[0], own[1], own[2], held[0], held[1], held[2]
     for k in range(1, steps):
-        later = disturbance_forces(time + (k + 0.5) * dt, sea)
-        state, _, _ = runge_kutta_4(state, command, later, dt, ship, sea, tables)
-    return state, components, flow
+        now = time + k * dt
+        vary_current(now, sea)
+        if sea.wavy == 1:
+            seen = waves_now(now, state[:6], sea, field)
+        held = held_loads(now, dt, state[:6], sea, seen, field[3])
+        state, _, _ = runge_kutta_4(state, command, total(held), dt, ship, sea, tables)
+    if sea.wavy == 1:
+        seen = waves_now(time + steps * dt, state[:6], sea, field)
+    return state, components, flow, seen
+
+
+@kernel
+def total(loads):
+    """Sum of three loads."""
+    a, b, c = loads
+    return a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]
 
 
 @kernel
@@ -48,7 +100,24 @@ def finite(state):
     return 1 if math.isfinite(total) else 0
 
 
-def _step_batch(states, commands, times, clock, ships, seas, water, deflected, forces, flow):
+@kernel
+def see_waves(which, times, states, seas, waves, groups, response, winds, seen):
+    """Refresh ``waves_now`` of some ships, as after a reset; `seen` (n, 9) is written."""
+    for i in which:
+        if seas[i].wavy == 1:
+            s = states[i]
+            body = (s[0], s[1], s[2], s[3], s[4], s[5])
+            sea = seas[i]
+            around = (waves[i], groups, response[sea.response], winds[sea.wind_table])
+            found = waves_now(times[i], body, sea, around)
+            for k in range(9):
+                seen[i, k] = found[k]
+
+
+def _step_batch(
+    states, commands, times, clock, ships, seas, water, deflected,
+    waves, groups, response, winds, forces, flow, seen,
+):  # fmt: skip
     """Advance every ship by one control interval, in place.
 
     Parameters
@@ -62,9 +131,11 @@ def _step_batch(states, commands, times, clock, ships, seas, water, deflected, f
     ships, seas : structured ndarray (n,)
     water, deflected : ndarray (kinds, count, 2), (kinds, 2, count, count, 11)
         Tables of each kind of ship; ``ships.kind`` selects.
-    forces, flow : ndarray (n, 4, 3), ndarray (n, 7)
-        Written: at the start of the interval. Not in a tuple, because numba loses what a parallel
-        loop writes into arrays that are unpacked from one.
+    waves, groups, response, winds : ndarray
+        Of ``sea.records.Waters``; ``seas.response`` and ``seas.wind_table`` select.
+    forces, flow, seen : ndarray (n, 6, 3), ndarray (n, 7), ndarray (n, 9)
+        Written: at the start of the interval; `seen`, the waves, at its end. Not in a tuple,
+        because numba loses what a parallel loop writes into arrays that are unpacked from one.
 
     Returns
     -------
@@ -73,21 +144,25 @@ def _step_batch(states, commands, times, clock, ships, seas, water, deflected, f
     """
     alive = 0
     for i in prange(states.shape[0]):
-        ship = ships[i]
+        ship, sea = ships[i], seas[i]
         tables = (water[ship.kind], deflected[ship.kind])
-        s = states[i]
+        field = (waves[i], groups, response[sea.response], winds[sea.wind_table])
+        s, w = states[i], seen[i]
         state = (s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7])
+        around = (field, (w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8]))
         steps = int(clock[i, 1])
         tick = (times[i], clock[i, 0], steps)
         command = (commands[i, 0], commands[i, 1])
-        state, components, flow_i = step_one(state, command, tick, ship, seas[i], tables)
+        state, parts, flow_i, after = step_one(state, command, tick, ship, sea, tables, around)
         for k in range(8):
             states[i, k] = state[k]
-        for k in range(4):
+        for k in range(6):
             for axis in range(3):
-                forces[i, k, axis] = components[k][axis]
+                forces[i, k, axis] = parts[k][axis]
         for k in range(7):
             flow[i, k] = flow_i[k]
+        for k in range(9):
+            seen[i, k] = after[k]
         times[i] += clock[i, 0] * steps
         alive += finite(state)
     return alive

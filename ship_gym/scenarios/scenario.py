@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError, build, check_known, check_number, merged, read_toml
+from ship_gym.sea.spectra import WaveSystem
+from ship_gym.sea.state import Sea
 
 _FOLDER = Path(__file__).parent
 TASKS = ("heading_keeping",)
@@ -24,12 +26,61 @@ class Start:
 
 @dataclasses.dataclass(frozen=True)
 class SeaRange:
-    """Distribution of the sea; speeds at full scale."""
+    """Distribution of the sea, everything at full scale.
+
+    Attributes
+    ----------
+    current_speed : float
+        Uniform from 0 to this [m/s], any direction.
+    sway_disturbance, yaw_disturbance, correlation_time : float
+        As in ``sea.Sea``.
+    wave_height, wave_height_min : float
+        Significant height, uniform from `wave_height_min` to `wave_height` [m], any direction.
+    peak_period, spectrum, spreading, wave_count, drift, surge_model
+        As in ``sea.Sea`` and ``sea.spectra.WaveSystem``.
+    wind_speed : float
+        Uniform from 0 to this [m/s], from where the waves come.
+    gusts : bool
+    """
 
     current_speed: float
     sway_disturbance: float
     yaw_disturbance: float
     correlation_time: float
+    wave_height: float = 0.0
+    wave_height_min: float = 0.0
+    peak_period: float = 8.8
+    spectrum: str = "bretschneider"
+    spreading: float = 0.0
+    wave_count: int = 60
+    drift: str = "slow"
+    surge_model: str = "blend"
+    wind_speed: float = 0.0
+    gusts: bool = False
+
+    def sea(self) -> Sea:
+        """The sea with the largest waves and wind, at full scale, without current.
+
+        Raises
+        ------
+        ConfigError
+            A value that no sea has.
+        """
+        check_number("sea.wave_height_min", self.wave_height_min, 0.0, self.wave_height, "m")
+        waves = WaveSystem(
+            self.spectrum, self.wave_height, self.peak_period, spreading=self.spreading
+        )
+        return Sea(
+            sway_disturbance=self.sway_disturbance,
+            yaw_disturbance=self.yaw_disturbance,
+            correlation_time=self.correlation_time,
+            waves=(waves,) if self.wave_height > 0.0 else (),
+            wave_count=self.wave_count,
+            drift=self.drift,
+            surge_model=self.surge_model,
+            wind_speed=self.wind_speed,
+            gusts=self.gusts,
+        )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -93,9 +144,7 @@ class Scenario:
             )
         check_number("start.heading_error_deg", self.start.heading_error_deg, 0.0, 180.0, "deg")
         check_number("sea.current_speed", self.sea.current_speed, 0.0, 10.0, "m/s")
-        for name in ("sway_disturbance", "yaw_disturbance"):
-            check_number(f"sea.{name}", getattr(self.sea, name), 0.0, 1.0)
-        check_number("sea.correlation_time", self.sea.correlation_time, 1e-3, 1e3)
+        self.sea.sea()  # refuses what no sea has
         check_number("limits.heading_error_deg", self.limits.heading_error_deg, 1.0, 180.0, "deg")
         check_number("randomisation.surrogate_std", self.randomisation.surrogate_std, 0.0, 10.0)
         for field in dataclasses.fields(self.reward):

@@ -1,15 +1,4 @@
-"""The sea a ship sails in: uniform current and a random low-frequency disturbance.
-
-The disturbance stands for the slowly varying drift of a seaway. Its spectrum is that of a
-first-order low-pass process, one-sided,
-
-    S(omega) = (2 / pi) T / (1 + (omega T)^2),
-
-with the time T = `correlation_time` L / U0. It is sampled by `N_HARMONICS` harmonics k omega_1 of
-omega_1 = 0.4 / T, with amplitudes sqrt(2 S(k omega_1) omega_1) scaled to unit variance and phases
-drawn at reset. It repeats after 15.7 T (about 970 s for KCS at 14.5 kn), more than an episode.
-Standard deviations are given non-dimensional, by 1/2 rho L d U0^2 and 1/2 rho L^2 d U0^2.
-"""
+"""The sea a ship sails in: current, waves, wind, and a random low-frequency disturbance."""
 
 from __future__ import annotations
 
@@ -20,34 +9,35 @@ from pathlib import Path
 import numpy as np
 
 from ship_gym.config import ConfigError, build, check_angle, check_known, check_number, read_toml
-from ship_gym.ships.particulars import Ship
-
-N_HARMONICS = 16
-N_PHASES = 2 * N_HARMONICS  # sway force and yaw moment
-_FIRST = 0.4  # omega_1 T: 90 % of the spectrum's variance lies below the last harmonic
-
-SEA_DTYPE = np.dtype(
-    (
-        np.record,
-        [
-            ("V_north", np.float64),
-            ("V_east", np.float64),
-            ("disturbed", np.int64),
-            ("omega_1", np.float64),
-            ("Y_std", np.float64),
-            ("N_std", np.float64),
-            *(
-                (name, np.float64, (N_HARMONICS,))
-                for name in ("amplitude", "Y_cos", "Y_sin", "N_cos", "N_sin")
-            ),
-        ],
-    )
+from ship_gym.sea.components import (
+    WaveComponents,
+    omega_of_length,
+    regular_wave,
+    wave_components,
 )
+from ship_gym.sea.sea_states import sea_state
+from ship_gym.sea.spectra import WaveSystem
+from ship_gym.sea.wind_coefficients import METHODS
+
+DRIFTS = ("slow", "mean", "none")
+_STATES = Path(__file__).with_name("states.toml")
+
+
+@dataclasses.dataclass(frozen=True)
+class RegularWave:
+    """One regular wave: amplitude [m], half the height, and frequency [rad/s]."""
+
+    amplitude: float
+    omega: float
+
+    def scaled(self, scale: float) -> RegularWave:
+        """The same wave for a model of a scale, by Froude's law."""
+        return RegularWave(self.amplitude / scale, self.omega * math.sqrt(scale))
 
 
 @dataclasses.dataclass(frozen=True)
 class Sea:
-    """Current and disturbance; the default is calm water.
+    """Current, waves, wind and disturbance; the default is calm water. What is off costs nothing.
 
     Attributes
     ----------
@@ -55,10 +45,33 @@ class Sea:
         [m/s]
     current_direction_to : float
         Where the current flows to, from north clockwise [rad].
+    current_variation, current_period : float
+        The current's speed varies slowly by this fraction of it, with this period [s].
     sway_disturbance, yaw_disturbance : float
         Standard deviations of the random sway force and yaw moment, non-dimensional.
     correlation_time : float
         T U0 / L of their spectrum.
+    waves : tuple of WaveSystem
+        Wind sea and swells of an irregular sea; ``sea.sea_states.sea_state(5).waves()`` is one.
+    regular : RegularWave or None
+        Instead of them.
+    wave_direction_to : float
+        Where the waves go to, from north clockwise [rad]; systems may lie off it.
+    wave_count : int
+        Number of regular waves that an irregular sea is made of.
+    drift : str
+        ``slow``: with its slow variation, ``mean``: only the constant part, ``none``.
+    surge_model : str
+        Surge drift by boundary elements (``bem``), by SNNM's regression (``snnm``) or their
+        ``blend``.
+    wind_speed : float
+        One-hour mean at 10 m [m/s].
+    wind_direction_from : float
+        Where it comes from, from north clockwise [rad].
+    wind_method : str
+        Coefficients by ``blendermann`` or ``isherwood``.
+    gusts : bool
+        With gusts along the mean wind.
     """
 
     current_speed: float = 0.0
@@ -66,80 +79,140 @@ class Sea:
     sway_disturbance: float = 0.0
     yaw_disturbance: float = 0.0
     correlation_time: float = 2.0
+    current_variation: float = 0.0
+    current_period: float = 1800.0
+    waves: tuple[WaveSystem, ...] = ()
+    regular: RegularWave | None = None
+    wave_direction_to: float = 0.0
+    wave_count: int = 60
+    drift: str = "slow"
+    surge_model: str = "blend"
+    wind_speed: float = 0.0
+    wind_direction_from: float = 0.0
+    wind_method: str = "blendermann"
+    gusts: bool = False
 
     def __post_init__(self):
         check_number("sea.current_speed", self.current_speed, 0.0, 10.0, "m/s")
         check_angle("sea.current_direction_to", self.current_direction_to)
+        check_number("sea.current_variation", self.current_variation, 0.0, 1.0)
+        check_number("sea.current_period", self.current_period, 1.0, 1e6, "s")
         check_number("sea.sway_disturbance", self.sway_disturbance, 0.0, 1.0)
         check_number("sea.yaw_disturbance", self.yaw_disturbance, 0.0, 1.0)
         check_number("sea.correlation_time", self.correlation_time, 1e-3, 1e3)
+        check_angle("sea.wave_direction_to", self.wave_direction_to)
+        check_known("drift", self.drift, DRIFTS)
+        check_known("surge model", self.surge_model, ("blend", "bem", "snnm"))
+        check_number("sea.wind_speed", self.wind_speed, 0.0, 60.0, "m/s")
+        check_angle("sea.wind_direction_from", self.wind_direction_from)
+        check_known("wind method", self.wind_method, METHODS)
+        if self.regular is not None and self.waves:
+            raise ConfigError("sea: either a regular wave or an irregular sea, not both")
+        if self.gusts and self.wind_speed < 0.5:
+            raise ConfigError(
+                f"sea.gusts with wind_speed = {self.wind_speed}: allowed is a wind from 0.5 m/s"
+            )
+        self.components()  # refuses what no wave has
+
+    def components(self) -> WaveComponents:
+        """Its regular waves, sorted by direction; empty without waves."""
+        if self.regular is not None:
+            return regular_wave(self.regular.amplitude, self.regular.omega)
+        found = wave_components(self.waves, self.wave_count) if self.waves else _NO_WAVES
+        order = np.argsort(found.direction, kind="stable")
+        return WaveComponents(*(column[order] for column in found))
 
     def scaled(self, scale: float) -> Sea:
-        """The same sea for a model of a scale: current by Froude's law, the rest has no scale."""
-        return dataclasses.replace(self, current_speed=self.current_speed / math.sqrt(scale))
+        """The same sea for a model of a scale, by Froude's law; the disturbance has no scale.
+
+        Gusts are made at full scale: ``sea.records`` scales their time and size.
+        """
+        root = math.sqrt(scale)
+        return dataclasses.replace(
+            self,
+            current_speed=self.current_speed / root,
+            current_period=self.current_period / root,
+            waves=tuple(system.scaled(scale) for system in self.waves),
+            regular=self.regular.scaled(scale) if self.regular else None,
+            wind_speed=self.wind_speed / root,
+        )
 
 
+_NO_WAVES = WaveComponents(*[np.zeros(0)] * 4)
 CALM = Sea()
-_STATES = Path(__file__).with_name("states.toml")
+
+
+def regular_sea(
+    amplitude: float,
+    *,
+    wavelength: float | None = None,
+    omega: float | None = None,
+    direction_from: float = 0.0,
+    drift: str = "slow",
+) -> Sea:
+    """A sea of one regular wave.
+
+    Parameters
+    ----------
+    amplitude : float
+        Half the wave height [m].
+    wavelength, omega : float
+        Length [m] or frequency [rad/s], one of them.
+    direction_from : float
+        Where it comes from [rad]: 0, from north, is a head sea for a ship that sails north.
+    drift : str
+        As in `Sea`.
+    """
+    if (wavelength is None) == (omega is None):
+        raise ConfigError("regular_sea: give wavelength or omega, one of them")
+    frequency = omega if wavelength is None else omega_of_length(wavelength)
+    wave = RegularWave(amplitude, float(frequency))
+    return Sea(regular=wave, wave_direction_to=_opposite(direction_from), drift=drift)
+
+
+def irregular_sea(
+    height: float,
+    peak_period: float,
+    *,
+    spectrum: str = "jonswap",
+    gamma: float = 3.3,
+    spreading: float = 0.0,
+    direction_from: float = 0.0,
+    drift: str = "slow",
+) -> Sea:
+    """A sea of one wave system.
+
+    Parameters
+    ----------
+    height, peak_period : float
+        Significant height [m] and T_p [s].
+    spectrum, gamma, spreading
+        As in ``sea.spectra.WaveSystem``.
+    direction_from, drift
+        As in `regular_sea`.
+    """
+    system = WaveSystem(spectrum, height, peak_period, gamma, 0.0, spreading)
+    return Sea(waves=(system,), wave_direction_to=_opposite(direction_from), drift=drift)
+
+
+def _opposite(direction: float) -> float:
+    return (check_angle("direction_from", direction) + 2.0 * math.pi) % (2.0 * math.pi) - math.pi
 
 
 def available_seas() -> list[str]:
-    """Names of the seas that come with the package."""
-    return sorted(read_toml(_STATES))
+    """Names of the seas that come with the package: ``states.toml``, and ``ss2`` to ``ss8``."""
+    return sorted([*read_toml(_STATES), *(f"ss{k}" for k in range(2, 9))])
 
 
 def load_sea(name: str) -> Sea:
-    """A named sea at full scale (`Sea.scaled` for a model); an unknown name is a ConfigError."""
+    """A named sea at full scale (`Sea.scaled` for a model); an unknown name is a ConfigError.
+
+    ``ss4`` and so on are the sea states of ``sea_states.csv``: long-crested waves from north and
+    their wind.
+    """
+    check_known("sea", name, available_seas())
     states = read_toml(_STATES)
-    return build(Sea, states[check_known("sea", name, states)], f"sea {name}")
-
-
-def disturbance_spectrum(omega, correlation_time: float):
-    """One-sided spectral density [s] of unit variance at omega [rad/s]."""
-    T = correlation_time
-    return 2.0 / math.pi * T / (1.0 + (np.asarray(omega) * T) ** 2)
-
-
-def disturbance_harmonics(correlation_time: float) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [rad/s] and amplitudes of a unit-variance disturbance, shapes (N_HARMONICS,).
-
-    Parameters
-    ----------
-    correlation_time : float
-        T [s].
-    """
-    omega = _FIRST / correlation_time * np.arange(1, N_HARMONICS + 1)
-    energy = disturbance_spectrum(omega, correlation_time)
-    return omega, np.sqrt(2.0 * energy / energy.sum())
-
-
-def sea_records(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> np.ndarray:
-    """SEA_DTYPE array, one row per ship; ``physics.disturbance.set_phases`` draws its phases.
-
-    Parameters
-    ----------
-    ships : list of Ship
-        The disturbance scales with each ship and its nominal speed.
-    sea : Sea or list of Sea
-        One for all, or one each.
-    """
-    seas = [sea] * len(ships) if isinstance(sea, Sea) else list(sea)
-    if len(seas) != len(ships):
-        raise ConfigError(f"{len(seas)} seas given for {len(ships)} ships")
-    records = np.zeros(len(ships), SEA_DTYPE)
-    made: dict[tuple[int, int], int] = {}
-    for i, (ship, s) in enumerate(zip(ships, seas, strict=True)):
-        key = (id(ship), id(s))
-        if key in made:
-            records[i] = records[made[key]]
-            continue
-        made[key] = i
-        omega, amplitude = disturbance_harmonics(s.correlation_time * ship.hull.L / ship.speed)
-        force = 0.5 * ship.rho * ship.hull.L * ship.hull.d * ship.speed**2
-        records[i]["V_north"] = s.current_speed * math.cos(s.current_direction_to)
-        records[i]["V_east"] = s.current_speed * math.sin(s.current_direction_to)
-        records[i]["disturbed"] = s.sway_disturbance > 0.0 or s.yaw_disturbance > 0.0
-        records[i]["omega_1"], records[i]["amplitude"] = omega[0], amplitude
-        records[i]["Y_std"] = s.sway_disturbance * force
-        records[i]["N_std"] = s.yaw_disturbance * force * ship.hull.L
-    return records
+    if name in states:
+        return build(Sea, states[name], f"sea {name}")
+    state = sea_state(int(name.removeprefix("ss")))
+    return Sea(waves=(state.waves(),), wave_direction_to=math.pi, wind_speed=state.wind_speed())

@@ -23,35 +23,13 @@ import numpy as np
 
 from ship_gym.config import ConfigError, check_known, check_number, read_csv
 from ship_gym.conventions import wrap_angle
-from ship_gym.ships.particulars import quantity
+from ship_gym.ships.particulars import WindAreas
 from ship_gym.tables import Axis, Table, tabulate
 
 METHODS = ("blendermann", "isherwood")
 _DATA = Path(__file__).with_name("wind_data")
 _STEP = math.radians(2.0)
 _COEFFICIENTS = ("CX", "CY", "CN")
-
-
-@dataclasses.dataclass(frozen=True)
-class WindAreas:
-    """What the wind sees of a ship above the water; the last three are for Isherwood only."""
-
-    L_oa: float = quantity("m", "length over all")
-    A_F: float = quantity("m2", "frontal projected area")
-    A_L: float = quantity("m2", "lateral projected area")
-    s_L: float = quantity("m", "centroid of the lateral area, forward of midship positive")
-    s_H: float = quantity("m", "centroid of the lateral area above the water")
-    A_SS: float = quantity("m2", "lateral area of the superstructure; 0: not given", 0.0)
-    perimeter: float = quantity("m", "outline of the lateral area, no waterline, no masts", 0.0)
-    masts: float = quantity("-", "distinct groups of masts seen from the side", 0.0)
-
-    def __post_init__(self):
-        for name in ("L_oa", "A_F", "A_L", "s_H"):
-            if not getattr(self, name) > 0.0:
-                raise ConfigError(f"wind.{name} = {getattr(self, name)}: must be > 0")
-        for name in ("A_SS", "perimeter", "masts"):
-            check_number(f"wind.{name}", getattr(self, name), 0.0)
-        check_number("wind.s_L", self.s_L, -0.5 * self.L_oa, 0.5 * self.L_oa, "m")
 
 
 @functools.lru_cache(maxsize=1)

@@ -35,6 +35,7 @@ from ship_gym.ships.particulars import (
     Ship,
     SteeringGear,
     Trial,
+    WindAreas,
     check_sections,
 )
 from ship_gym.ships.scaling import scaled
@@ -48,7 +49,7 @@ _SECTIONS = {
     "gear": SteeringGear,
     "engine": Engine,
 }
-_OPTIONAL = {"form": HullForm}
+_OPTIONAL = {"form": HullForm, "wind": WindAreas}
 _NEEDED = (
     "title",
     "status",
@@ -65,6 +66,7 @@ _TOP_UNITS = (("full_length", "m"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", 
 _SAME_SHIP = 0.02  # of D / L: rounding of printed particulars
 # rudder formulas in place of a fitted surrogate, with the propeller's open-water curve in the wake
 FORMULAS = ("none", "beaufoy")
+_TEXTS = ("source", "variant", "type")
 _NUMBER_KEYS = ("value", "unit", "source", "estimated")
 
 
@@ -188,12 +190,20 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
         status=data["status"],
         open_water=_open_water(data["open_water"], path, reader),
         variant=data["hull"].get("variant", "published"),
+        wind_type=data.get("wind", {}).get("type", ""),
+        wave_table=_wave_table(path),
         trials=trials,
         sources=reader.sources,
         estimated=reader.estimated,
         **top,
         **sections,
     )
+
+
+def _wave_table(path: Path) -> str:
+    """Path of the wave table beside a ship file; empty if there is none."""
+    found = path.resolve().with_name("waves.npz")
+    return str(found) if found.is_file() else ""
 
 
 def _estimated_hull(hull: Mapping[str, Any], length: float, reader: _Reader) -> dict[str, Any]:
@@ -282,7 +292,7 @@ class _Reader:
     def _check_keys(self, name: str, cls: type, values: Mapping[str, Any]) -> None:
         known = {field.name for field in dataclasses.fields(cls)}
         for key in values:
-            if key not in known and key not in ("source", "variant"):
+            if key not in known and key not in _TEXTS:
                 raise ConfigError(f"{self.path}: unknown key {name}.{key!r};{nearest(key, known)}")
 
     def number(self, where: str, unit: str, entry: Any, length: float, source: str) -> float:

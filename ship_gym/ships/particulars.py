@@ -186,6 +186,28 @@ class HullForm:
 
 
 @dataclasses.dataclass(frozen=True)
+class WindAreas:
+    """What the wind sees of a ship above the water; the last three are for Isherwood only."""
+
+    L_oa: float = quantity("m", "length over all")
+    A_F: float = quantity("m2", "frontal projected area")
+    A_L: float = quantity("m2", "lateral projected area")
+    s_L: float = quantity("m", "centroid of the lateral area, forward of midship positive")
+    s_H: float = quantity("m", "centroid of the lateral area above the water")
+    A_SS: float = quantity("m2", "lateral area of the superstructure; 0: not given", 0.0)
+    perimeter: float = quantity("m", "outline of the lateral area, no waterline, no masts", 0.0)
+    masts: float = quantity("-", "distinct groups of masts seen from the side", 0.0)
+
+    def __post_init__(self):
+        for name in ("L_oa", "A_F", "A_L", "s_H"):
+            if not getattr(self, name) > 0.0:
+                raise ConfigError(f"wind.{name} = {getattr(self, name)}: must be > 0")
+        for name in ("A_SS", "perimeter", "masts"):
+            check_number(f"wind.{name}", getattr(self, name), 0.0)
+        check_number("wind.s_L", self.s_L, -0.5 * self.L_oa, 0.5 * self.L_oa, "m")
+
+
+@dataclasses.dataclass(frozen=True)
 class Trial:
     """A measured manoeuvre to compare with."""
 
@@ -214,6 +236,12 @@ class Ship:
         C_T, C_Q over the advance angle.
     surrogate : Table or None
         CFD surrogate at the trained rudder angle; None: MMG rudder, open-water propeller.
+    wind : WindAreas or None
+        Areas above the water; None: the ship cannot sail in wind.
+    wind_type : str
+        Type of ship for Blendermann's coefficients, ``sea.wind_coefficients.ship_types``.
+    wave_table : str
+        Path of its wave table, of any scale; empty: the ship cannot sail in waves.
     form : HullForm or None
         Hull form and mass distribution, for meshes and loads in waves; None: not in the file.
     sources : dict
@@ -240,6 +268,9 @@ class Ship:
     variant: str = "published"
     trials: tuple[Trial, ...] = ()
     form: HullForm | None = None
+    wind: WindAreas | None = None
+    wind_type: str = ""
+    wave_table: str = ""
     sources: dict[str, str] = dataclasses.field(default_factory=dict)
     estimated: dict[str, str] = dataclasses.field(default_factory=dict)
 

@@ -99,6 +99,7 @@ def scaled(
         gear=scaled_section(ship.gear, ratio),
         engine=scaled_section(ship.engine, ratio, rho / ship.rho),
         form=None if ship.form is None else scaled_section(ship.form, ratio),
+        wind=None if ship.wind is None else scaled_section(ship.wind, ratio),
         surrogate=_scaled_surrogate(ship.surrogate, ratio),
         trials=trials,
     )

@@ -14,6 +14,7 @@ import numpy as np
 from ship_gym.conventions import DELTA, PSI, N, R, U, V
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.dynamics import water_velocity
+from ship_gym.physics.waves import WAVE_SWAY_VELOCITY, WAVE_YAW, WAVE_YAW_RATE
 
 # symbol, unit, low, high, meaning
 OBSERVATIONS = (
@@ -115,17 +116,20 @@ def command_batch(actions, states, ships, tasks, commands, rudder_before):
 
 
 @kernel
-def observe(state, command, ship, sea, task, row):
-    """Write the observation of one ship into `row` (9,), limited to its declared bounds."""
+def observe(state, waves, command, ship, sea, task, row):
+    """Write the observation of one ship into `row` (9,), limited to its declared bounds.
+
+    Heading, yaw rate and sway velocity are measured with the wave-frequency motion on top.
+    """
     psi = state[PSI]
     u_c, v_c = water_velocity(psi, sea)
-    psi_e = wrapped(psi - task.psi_ordered)
+    psi_e = wrapped(psi + waves[WAVE_YAW] - task.psi_ordered)
     values = (
         math.sin(psi_e),
         math.cos(psi_e),
-        state[R] * ship.hull.L / task.speed,
+        (state[R] + waves[WAVE_YAW_RATE]) * ship.hull.L / task.speed,
         (state[U] - u_c) / task.speed,
-        (state[V] - v_c) / task.speed,
+        (state[V] + waves[WAVE_SWAY_VELOCITY] - v_c) / task.speed,
         state[DELTA] / ship.gear.delta_max,
         state[N] / ship.engine.n_max,
         command[0] / ship.gear.delta_max,
@@ -136,10 +140,10 @@ def observe(state, command, ship, sea, task, row):
 
 
 @kernel
-def observe_batch(states, commands, ships, seas, tasks, observations):
+def observe_batch(states, waves, commands, ships, seas, tasks, observations):
     """Observation of every ship, shape (n, 9), float32."""
     for i in range(states.shape[0]):
-        observe(states[i], commands[i], ships[i], seas[i], tasks[i], observations[i])
+        observe(states[i], waves[i], commands[i], ships[i], seas[i], tasks[i], observations[i])
 
 
 @kernel

@@ -13,6 +13,7 @@ from gymnasium.utils.env_checker import check_env
 
 import ship_gym
 from ship_gym.config import ConfigError
+from ship_gym.conventions import FORCE_COMPONENTS
 from ship_gym.tasks.heading import OBSERVATIONS
 
 IDS = sorted(ship_gym.ENVIRONMENTS)
@@ -94,7 +95,7 @@ def test_reward_is_the_sum_of_its_terms_and_info_is_complete():
         # not sum(), which compensates rounding from Python 3.12 on
         assert reward == functools.reduce(operator.add, info["reward_terms"].values())
         assert set(info) == keys
-    assert set(info["forces"]) == {"hull", "propeller", "rudder", "disturbance"}
+    assert set(info["forces"]) == set(FORCE_COMPONENTS)
     assert info["forces"]["hull"].shape == (3,)
     assert info["power"] > 0.0 and info["time"] == 20.0 and info["extrapolation"] >= 0.0
 

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from ship_gym.physics.disturbance import disturbance_forces, set_phases
-from ship_gym.sea.state import (
-    N_PHASES,
+from ship_gym.sea import Sea
+from ship_gym.sea.records import (
+    N_DISTURBANCE,
     SEA_DTYPE,
-    Sea,
     disturbance_harmonics,
     disturbance_spectrum,
-    sea_records,
+    waters,
 )
 from ship_gym.ships import load_ship
 
@@ -28,8 +28,8 @@ def test_harmonics_have_unit_variance_and_the_spectrum_s_shape():
 
 def records(count, seed=0):
     ship = load_ship("kcs")
-    made = sea_records([ship] * count, Sea(sway_disturbance=0.01, yaw_disturbance=0.002))
-    set_phases(made, np.random.default_rng(seed).random((count, N_PHASES)))
+    made = waters([ship] * count, Sea(sway_disturbance=0.01, yaw_disturbance=0.002)).records
+    set_phases(made, np.random.default_rng(seed).random((count, N_DISTURBANCE)))
     return ship, made
 
 
@@ -46,7 +46,7 @@ def test_disturbance_has_the_stated_standard_deviation():
 
 def test_disturbance_is_the_sum_of_cosines():
     _, made = records(1, seed=3)
-    phases = 2.0 * np.pi * np.random.default_rng(3).random((1, N_PHASES))[0]
+    phases = 2.0 * np.pi * np.random.default_rng(3).random((1, N_DISTURBANCE))[0]
     sea, k = made[0], np.arange(1, 17)
     for t in (0.0, 12.3, 456.7):
         angle = k * sea["omega_1"] * t
@@ -56,6 +56,6 @@ def test_disturbance_is_the_sum_of_cosines():
 
 
 def test_calm_costs_and_does_nothing():
-    made = sea_records([load_ship("kcs")])
+    made = waters([load_ship("kcs")]).records
     assert made.dtype == SEA_DTYPE and made[0]["disturbed"] == 0
     assert disturbance_forces(3.0, made[0]) == (0.0, 0.0)

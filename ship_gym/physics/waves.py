@@ -1,0 +1,169 @@
+"""Waves at the ship: slowly varying drift and wave-frequency motion, in one loop over the waves.
+
+Two time scales (White 2020): the drift, of second order in the wave amplitude, acts on the ship of
+the manoeuvring model; the wave-frequency motion, of first order, is what its sensors see on top of
+that and is never integrated.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ship_gym.conventions import G
+from ship_gym.physics._kernel import kernel
+from ship_gym.physics.interpolate import cell
+
+# columns of a wave of one ship: amplitude [m], frequency [rad/s], wave number north and east [1/m],
+# phase [turns] and direction it goes to [rad]
+AMPLITUDE, OMEGA, K_NORTH, K_EAST, PHASE, DIRECTION = range(6)
+N_WAVE = 6
+# channels of the response to a wave of unit amplitude: drift X, Y [N/m2], N [N m/m2], and real and
+# imaginary part of sway [m/m], roll and yaw [rad/m]
+N_RESPONSE = 9
+# what `wave_loads` returns: drift X, Y [N], N [N m], wave-frequency sway [m], its velocity [m/s],
+# roll, yaw [rad], yaw rate [rad/s], and how far outside the response table the ship is
+WAVE_NAMES = ("X", "Y", "N", "sway", "sway_velocity", "roll", "yaw", "yaw_rate", "extrapolation")
+N_WAVE_STATE = len(WAVE_NAMES)
+WAVE_SWAY, WAVE_SWAY_VELOCITY, WAVE_ROLL, WAVE_YAW, WAVE_YAW_RATE, WAVE_EXTRAPOLATION = range(3, 9)
+_TURN = 2.0 * math.pi
+
+
+@kernel
+def cos_sin_of_turns(turns):
+    """Cos and sin of 2 pi `turns`, to 1e-11; a polynomial, since two library calls cost more.
+
+    Taylor series on a quarter turn to either side; the other half of the circle is folded onto it.
+    """
+    f = turns - math.floor(turns + 0.5)
+    far = abs(f) > 0.25
+    h = 0.5 - abs(f) if far else abs(f)
+    z = (_TURN * h) * (_TURN * h)
+    s = 1.0 / 6227020800.0 + z * (-1.0 / 1307674368000.0 + z / 355687428096000.0)
+    s = 1.0 / 120.0 + z * (-1.0 / 5040.0 + z * (1.0 / 362880.0 + z * (-1.0 / 39916800.0 + z * s)))
+    s = _TURN * h * (1.0 + z * (-1.0 / 6.0 + z * s))
+    c = 1.0 / 479001600.0 + z * (-1.0 / 87178291200.0 + z / 20922789888000.0)
+    c = 1.0 / 24.0 + z * (-1.0 / 720.0 + z * (1.0 / 40320.0 + z * (-1.0 / 3628800.0 + z * c)))
+    c = 1.0 + z * (-0.5 + z * c)
+    return (-c if far else c), (s if f >= 0.0 else -s)
+
+
+@kernel
+def relative_heading(psi, direction):
+    """Mu = psi - wave_direction_to in [0, pi] and the side, 1 or -1, on which the waves come in."""
+    mu = psi - direction
+    mu -= _TURN * math.floor((mu + math.pi) / _TURN)
+    return (mu, 1.0) if mu >= 0.0 else (-mu, -1.0)
+
+
+@kernel
+def wave_phase(wave, time, place):
+    """Cos and sin of theta = omega t - k . place + phase, times the amplitude [m]."""
+    along = wave[K_NORTH] * place[0] + wave[K_EAST] * place[1]
+    c, s = cos_sin_of_turns((wave[OMEGA] * time - along) / _TURN + wave[PHASE])
+    return wave[AMPLITUDE] * c, wave[AMPLITUDE] * s
+
+
+@kernel
+def mixed(rows, weights, channel):
+    """A channel of the response between four corners of the table (speed by heading)."""
+    A, B, C, D = rows
+    a, b, c, d = weights
+    return a * A[channel] + b * B[channel] + c * C[channel] + d * D[channel]
+
+
+@kernel
+def set_waves(components, direction_to, uniform, waves):
+    """Set the waves of one ship's sea.
+
+    Parameters
+    ----------
+    components : ndarray (N, 3)
+        Amplitude [m], frequency [rad/s] and direction relative to the sea's main one [rad].
+    direction_to : float
+        Where the sea goes to, from north [rad].
+    uniform : ndarray (N,)
+        Phases as fractions of a turn.
+    waves : ndarray (N, 6)
+        Written.
+    """
+    for n in range(components.shape[0]):
+        amplitude, omega, offset = components[n, 0], components[n, 1], components[n, 2]
+        direction = direction_to + offset
+        k = omega * omega / G
+        waves[n, AMPLITUDE] = amplitude
+        waves[n, OMEGA] = omega
+        waves[n, K_NORTH] = k * math.cos(direction)
+        waves[n, K_EAST] = k * math.sin(direction)
+        waves[n, PHASE] = uniform[n]
+        waves[n, DIRECTION] = direction
+
+
+@kernel
+def wave_loads(time, body, waves, groups, response, grid, mean_only):
+    """Drift on one ship and its wave-frequency motion at one instant.
+
+    Newman's approximation with the arithmetic mean of the two drift coefficients, which factorises:
+    F = Re[P Q*], P = sum a T e^(i theta), Q = sum a e^(i theta). One wave alone gives a^2 T.
+
+    Parameters
+    ----------
+    time : float
+        [s]
+    body : tuple of 6 floats
+        u, v over ground [m/s], r, x, y [m], psi [rad].
+    waves : ndarray (N, 6)
+        Sorted by direction.
+    groups : ndarray of int (G + 1,)
+        First wave of each direction, and N.
+    response : ndarray (speeds, headings, N, 9)
+        Headings from 0 to pi; sway, roll, yaw and their drift change sign with the side.
+    grid : (float, float)
+        Speed step of the table [m/s] and surge velocity through the water [m/s].
+    mean_only : bool
+        Only the constant part of the drift, sum a^2 T.
+
+    Returns
+    -------
+    tuple of 9 floats
+        ``WAVE_NAMES``.
+    """
+    u, v, _, x, y, psi = body
+    c_psi, s_psi = math.cos(psi), math.sin(psi)
+    north, east = u * c_psi - v * s_psi, u * s_psi + v * c_psi
+    speeds, headings = response.shape[0], response.shape[1]
+    i, w = cell(grid[1], 0.0, grid[0], speeds)
+    PX = PX_ = PY = PY_ = PN = PN_ = Q = Q_ = 0.0
+    sway = sway_rate = roll = yaw = yaw_rate = 0.0
+    for g in range(len(groups) - 1):
+        mu, side = relative_heading(psi, waves[groups[g], DIRECTION])
+        j, q = cell(mu, 0.0, math.pi / (headings - 1), headings)
+        weights = ((1.0 - w) * (1.0 - q), (1.0 - w) * q, w * (1.0 - q), w * q)
+        A, B, C, D = response[i, j], response[i, j + 1], response[i + 1, j], response[i + 1, j + 1]
+        for k in range(groups[g], groups[g + 1]):
+            wave = waves[k]
+            c, s = wave_phase(wave, time, (x, y))
+            rows = (A[k], B[k], C[k], D[k])
+            TX = mixed(rows, weights, 0)
+            TY = side * mixed(rows, weights, 1)
+            TN = side * mixed(rows, weights, 2)
+            if mean_only:
+                a2 = wave[AMPLITUDE] * wave[AMPLITUDE]
+                PX, PY, PN = PX + a2 * TX, PY + a2 * TY, PN + a2 * TN
+            else:
+                PX, PX_ = PX + TX * c, PX_ + TX * s
+                PY, PY_ = PY + TY * c, PY_ + TY * s
+                PN, PN_ = PN + TN * c, PN_ + TN * s
+                Q, Q_ = Q + c, Q_ + s
+            c, s = side * c, side * s
+            omega_e = wave[OMEGA] - wave[K_NORTH] * north - wave[K_EAST] * east
+            re, im = mixed(rows, weights, 3), mixed(rows, weights, 4)
+            sway += re * c - im * s
+            sway_rate -= omega_e * (re * s + im * c)
+            roll += mixed(rows, weights, 5) * c - mixed(rows, weights, 6) * s
+            re, im = mixed(rows, weights, 7), mixed(rows, weights, 8)
+            yaw += re * c - im * s
+            yaw_rate -= omega_e * (re * s + im * c)
+    if not mean_only:
+        PX, PY, PN = PX * Q + PX_ * Q_, PY * Q + PY_ * Q_, PN * Q + PN_ * Q_
+    outside = max(0.0, grid[1] / (grid[0] * (speeds - 1)) - 1.0)
+    return PX, PY, PN, sway, sway_rate, roll, yaw, yaw_rate, outside

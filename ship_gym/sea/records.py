@@ -1,0 +1,225 @@
+"""Seas as numpy records and arrays, the form the kernels read.
+
+The disturbance is a random low-frequency sway force and yaw moment. Its spectrum is that of a
+first-order low-pass process, one-sided,
+
+    S(omega) = (2 / pi) T / (1 + (omega T)^2),
+
+with the time T = `correlation_time` L / U0. It is sampled by `N_HARMONICS` harmonics k omega_1 of
+omega_1 = 0.4 / T, with amplitudes sqrt(2 S(k omega_1) omega_1) scaled to unit variance and phases
+drawn at reset. It repeats after 15.7 T (about 970 s for KCS at 14.5 kn), more than an episode.
+Standard deviations are given non-dimensional, by 1/2 rho L d U0^2 and 1/2 rho L^2 d U0^2.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from ship_gym.config import ConfigError
+from ship_gym.conventions import G
+from ship_gym.sea.gusts import gust_harmonics
+from ship_gym.sea.state import CALM, Sea
+from ship_gym.sea.wave_response import (
+    BLANK_RESPONSE,
+    N_WAVE,
+    SPEED_STEP,
+    energy_outside,
+    wave_response,
+)
+from ship_gym.sea.wind_coefficients import wind_table
+from ship_gym.ships.particulars import Ship
+
+N_HARMONICS = 16
+N_DISTURBANCE = 2 * N_HARMONICS  # phases of sway force and yaw moment
+N_GUSTS = 20
+_FIRST = 0.4  # omega_1 T: 90 % of the spectrum's variance lies below the last harmonic
+
+SEA_DTYPE = np.dtype(
+    (
+        np.record,
+        [
+            ("V_north", np.float64),  # current now, and its mean and slow variation
+            ("V_east", np.float64),
+            ("mean_north", np.float64),
+            ("mean_east", np.float64),
+            ("variation", np.float64),
+            ("variation_omega", np.float64),
+            ("variation_phase", np.float64),
+            ("disturbed", np.int64),
+            ("omega_1", np.float64),
+            ("Y_std", np.float64),
+            ("N_std", np.float64),
+            *(
+                (name, np.float64, (N_HARMONICS,))
+                for name in ("amplitude", "Y_cos", "Y_sin", "N_cos", "N_sin")
+            ),
+            ("wavy", np.int64),
+            ("drift", np.float64),  # 1 with drift, 0 without
+            ("mean_drift", np.int64),
+            ("response", np.int64),
+            ("speed_step", np.float64),  # of the response table [m/s]
+            ("waves_outside", np.float64),  # share of the waves' energy outside the table
+            ("windy", np.int64),
+            ("wind_table", np.int64),
+            ("A_F", np.float64),  # areas and length that the wind sees [m2], [m]
+            ("A_L", np.float64),
+            ("L_oa", np.float64),
+            ("wind_north", np.float64),  # mean wind velocity [m/s]
+            ("wind_east", np.float64),
+            *((f"gust_{name}", np.float64, (N_GUSTS,)) for name in ("share", "omega", "phase")),
+        ],
+    )
+)
+
+
+@dataclasses.dataclass(frozen=True)
+class Waters:
+    """What surrounds n ships.
+
+    Attributes
+    ----------
+    records : numpy.ndarray
+        SEA_DTYPE, shape (n,).
+    waves : numpy.ndarray
+        Shape (n, N, 6), columns of ``physics.waves``; set by ``physics.waves.set_waves``.
+    components : numpy.ndarray
+        Shape (n, N, 3): amplitude [m], frequency [rad/s] and direction relative to the sea's main
+        one [rad], from which `waves` are set.
+    groups : numpy.ndarray
+        First wave of each direction, and N, shape (G + 1,).
+    response : numpy.ndarray
+        Shape (kinds, speeds, headings, N, 9).
+    winds : numpy.ndarray
+        Wind coefficients, shape (kinds, 181, 3).
+    """
+
+    records: np.ndarray
+    waves: np.ndarray
+    components: np.ndarray
+    groups: np.ndarray
+    response: np.ndarray
+    winds: np.ndarray
+
+    @property
+    def n_waves(self) -> int:
+        """Number of waves."""
+        return self.waves.shape[1]
+
+    @property
+    def n_phases(self) -> int:
+        """Uniform numbers that the phases of one ship's sea need: the disturbance, then the rest."""
+        rest = self.n_waves or self.records["windy"].any() or self.records["variation"].any()
+        return N_DISTURBANCE + (1 + N_GUSTS + self.n_waves if rest else 0)
+
+
+def disturbance_spectrum(omega, correlation_time: float):
+    """One-sided spectral density [s] of unit variance at omega [rad/s]."""
+    T = correlation_time
+    return 2.0 / math.pi * T / (1.0 + (np.asarray(omega) * T) ** 2)
+
+
+def disturbance_harmonics(correlation_time: float) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [rad/s] and amplitudes of a unit-variance disturbance, shapes (N_HARMONICS,).
+
+    Parameters
+    ----------
+    correlation_time : float
+        T [s].
+    """
+    omega = _FIRST / correlation_time * np.arange(1, N_HARMONICS + 1)
+    energy = disturbance_spectrum(omega, correlation_time)
+    return omega, np.sqrt(2.0 * energy / energy.sum())
+
+
+def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
+    """Arrays of the seas of some ships; ``physics`` draws their phases.
+
+    Parameters
+    ----------
+    ships : list of Ship
+        The disturbance scales with each ship and its nominal speed.
+    sea : Sea or list of Sea
+        One for all, or one each, with the same number of waves and the same directions.
+
+    Raises
+    ------
+    ConfigError
+        Another number of seas than ships, seas whose waves do not match, waves for a ship without a
+        wave table, wind for one without wind areas.
+    """
+    seas = [sea] * len(ships) if isinstance(sea, Sea) else list(sea)
+    if len(seas) != len(ships):
+        raise ConfigError(f"{len(seas)} seas given for {len(ships)} ships")
+    parts = {id(s): s.components() for s in seas}
+    first = next(iter(parts.values()))
+    for other in parts.values():
+        if not np.array_equal(other.direction, first.direction):
+            raise ConfigError("the seas of one simulation must have the same wave directions")
+    count = len(first.omega)
+    records = np.zeros(len(ships), SEA_DTYPE)
+    components = np.zeros((len(ships), count, 3))
+    responses: list[np.ndarray] = []
+    winds: list[np.ndarray] = []
+    made: dict[tuple[int, int], int] = {}
+    for i, (ship, s) in enumerate(zip(ships, seas, strict=True)):
+        key = (id(ship), id(s))
+        if key in made:
+            records[i], components[i] = records[made[key]], components[made[key]]
+            continue
+        made[key] = i
+        _fill(records[i], ship, s)
+        if s.wind_speed > 0.0:
+            records[i]["wind_table"] = len(winds)
+            winds.append(wind_table(ship.wind, ship.wind_type, ship.hull.B, s.wind_method).values)
+        if count:
+            waves = parts[id(s)]
+            components[i] = np.stack([waves.amplitude, waves.omega, waves.direction], axis=1)
+            records[i]["wavy"], records[i]["response"] = 1, len(responses)
+            records[i]["speed_step"] = SPEED_STEP * math.sqrt(G * ship.hull.L)
+            records[i]["waves_outside"] = energy_outside(ship, waves)
+            responses.append(wave_response(ship, waves.omega, s.surge_model))
+    breaks = np.flatnonzero(np.diff(first.direction)) + 1
+    groups = np.array([0, *breaks.tolist(), count] if count else [0], dtype=np.int64)
+    response = np.stack(responses) if responses else BLANK_RESPONSE
+    waves = np.zeros((len(ships), count, N_WAVE))
+    table = np.stack(winds) if winds else np.zeros((1, 2, 3))
+    return Waters(records, waves, components, groups, response, table)
+
+
+def _fill(record: np.record, ship: Ship, sea: Sea) -> None:
+    """Everything of a sea but its waves."""
+    omega, amplitude = disturbance_harmonics(sea.correlation_time * ship.hull.L / ship.speed)
+    force = 0.5 * ship.rho * ship.hull.L * ship.hull.d * ship.speed**2
+    north = sea.current_speed * math.cos(sea.current_direction_to)
+    east = sea.current_speed * math.sin(sea.current_direction_to)
+    record["V_north"] = record["mean_north"] = north
+    record["V_east"] = record["mean_east"] = east
+    record["variation"] = sea.current_variation if sea.current_speed > 0.0 else 0.0
+    record["variation_omega"] = 2.0 * math.pi / sea.current_period
+    record["disturbed"] = sea.sway_disturbance > 0.0 or sea.yaw_disturbance > 0.0
+    record["omega_1"], record["amplitude"] = omega[0], amplitude
+    record["Y_std"] = sea.sway_disturbance * force
+    record["N_std"] = sea.yaw_disturbance * force * ship.hull.L
+    record["drift"], record["mean_drift"] = sea.drift != "none", sea.drift == "mean"
+    if sea.wind_speed > 0.0:
+        _fill_wind(record, ship, sea)
+
+
+def _fill_wind(record: np.record, ship: Ship, sea: Sea) -> None:
+    if ship.wind is None:
+        raise ConfigError(
+            f"wind_speed = {sea.wind_speed} m/s: {ship.name} has no section [wind] in its ship file"
+        )
+    record["windy"] = 1
+    for name in ("A_F", "A_L", "L_oa"):
+        record[name] = getattr(ship.wind, name)
+    record["wind_north"] = -sea.wind_speed * math.cos(sea.wind_direction_from)
+    record["wind_east"] = -sea.wind_speed * math.sin(sea.wind_direction_from)
+    if sea.gusts:
+        full = sea.wind_speed * ship.time_unit  # the spectrum is that of the full scale
+        height = max(ship.wind.s_H * ship.scale, 1.0)
+        omega, amplitude = gust_harmonics(full, height, N_GUSTS)
+        record["gust_omega"], record["gust_share"] = omega * ship.time_unit, amplitude / full

@@ -1,0 +1,89 @@
+"""Response of a ship to unit waves of given frequencies, from its wave table, as kernels read it."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+
+from ship_gym.config import ConfigError
+from ship_gym.conventions import G
+from ship_gym.sea.components import WaveComponents
+from ship_gym.sea.wave_table import MODES, WaveTable
+from ship_gym.ships.particulars import Ship
+
+N_WAVE = 6  # columns of one wave, see ``physics.waves``
+N_RESPONSE = 9
+SPEED_STEP = 0.05  # of the Froude number
+BLANK_RESPONSE = np.zeros((1, 2, 2, 0, N_RESPONSE))
+
+
+@functools.lru_cache(maxsize=16)
+def _table(path: str) -> WaveTable:
+    return WaveTable.load(path)
+
+
+def wave_table_of(ship: Ship) -> WaveTable:
+    """Wave table of a ship at any scale; a ship without one is a ConfigError."""
+    if not ship.wave_table:
+        raise ConfigError(
+            f"{ship.name} has no wave table; compute it: python scripts/build_wave_table.py "
+            f"--ship {ship.name}"
+        )
+    return _table(ship.wave_table)
+
+
+def energy_outside(ship: Ship, waves: WaveComponents) -> float:
+    """Share of the waves' energy at frequencies outside the ship's table."""
+    omega = waves.omega * math.sqrt(ship.hull.L / G)
+    axis = wave_table_of(ship).omega
+    outside = (omega < axis[0] * (1.0 - 1e-9)) | (omega > axis[-1] * (1.0 + 1e-9))
+    energy = waves.amplitude**2
+    return float(energy[outside].sum() / energy.sum()) if energy.any() else 0.0
+
+
+def wave_response(ship: Ship, omega: np.ndarray, surge_model: str) -> np.ndarray:
+    """Drift and motion of a ship in waves of unit amplitude, dimensional.
+
+    Parameters
+    ----------
+    ship : Ship
+    omega : numpy.ndarray
+        True frequencies [rad/s], shape (N,). Outside the table its ends hold.
+    surge_model : str
+        As in ``Sea``.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (speeds, headings, N, 9), Froude number every `SPEED_STEP` from 0, headings mu from 0
+        to pi: X, Y [N/m2], N about midship [N m/m2]; real and imaginary part of sway [m/m], roll
+        and yaw [rad/m].
+    """
+    table, h = wave_table_of(ship), ship.hull
+    k = omega**2 / G
+    force = ship.rho * G
+    X = force * h.B**2 / h.L * _at(table, table.surge(surge_model), omega, h.L)
+    Y = 0.5 * force * h.L * _at(table, table.CY, omega, h.L)
+    N = 0.5 * force * h.L**2 * _at(table, table.CN, omega, h.L) + h.x_G * Y
+    parts = [X, Y, N]
+    for mode, factor in (("sway", 1.0), ("roll", k), ("yaw", k)):
+        motion = factor * _at(table, table.motions[..., MODES.index(mode)], omega, h.L)
+        parts += [motion.real, motion.imag]
+    return np.ascontiguousarray(np.stack(parts, axis=-1), dtype=np.float64)
+
+
+def _at(table: WaveTable, values: np.ndarray, omega: np.ndarray, L: float) -> np.ndarray:
+    """Values (f, h, w) at frequencies [rad/s] and at Froude numbers of equal step, linear."""
+    wide = np.promote_types(values.dtype, np.float64)
+    values = values.astype(wide)
+    x = np.clip(omega * math.sqrt(L / G), table.omega[0], table.omega[-1])
+    i = np.clip(np.searchsorted(table.omega, x) - 1, 0, len(table.omega) - 2)
+    w = (x - table.omega[i]) / (table.omega[i + 1] - table.omega[i])
+    values = (1.0 - w) * values[..., i] + w * values[..., i + 1]
+    speeds = np.arange(0.0, table.froude[-1] + 0.5 * SPEED_STEP, SPEED_STEP)
+    j = np.clip(np.searchsorted(table.froude, speeds) - 1, 0, len(table.froude) - 2)
+    q = (speeds - table.froude[j]) / (table.froude[j + 1] - table.froude[j])
+    q = q[:, None, None]
+    return (1.0 - q) * values[j] + q * values[j + 1]

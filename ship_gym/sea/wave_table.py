@@ -1,0 +1,165 @@
+"""The wave table of a ship: drift coefficients and motions over speed, heading and frequency.
+
+The axes are the ship's (``ship_gym.conventions``: y to starboard, z down), and the table is
+non-dimensional, so it serves every scale of the ship. A = wave amplitude, k = wave number.
+
+- ``CX = F_x / (rho g A^2 B^2 / L)``, ``CY = F_y / (1/2 rho g A^2 L)``, ``CN = N / (1/2 rho g A^2
+  L^2)`` about the centre of gravity. Waves from starboard (0 < mu < pi) push to port: CY < 0.
+- Motions of the origin (midship, waterline): surge, sway, heave by A; roll, pitch, yaw [rad] by
+  k A. Complex, for the factor e^{i theta}, theta = omega t - k (x cos d + y sin d) + phase at the
+  ship's position, d the direction the wave runs to: the elevation (up) is Re(A e^{i theta}), a
+  motion Re(A X e^{i theta}).
+- Port and starboard by one rule, mirror image: at -mu surge, heave, pitch and CX are the same;
+  sway, roll, yaw, CY and CN change sign. Only 0 <= mu <= pi is stored.
+
+Interpolate linearly in Froude number, heading and true frequency omega sqrt(L/g), never in the
+encounter frequency; Fn between 0 and 0.10 too (a spike at tau = 1/4 sits there). ``database``
+computes it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ship_gym.config import ConfigError, check_known
+from ship_gym.provenance import atomic_path
+
+MODES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+SURGE_MODELS = ("bem", "snnm", "blend")
+# What a cell of `uncertainty` means; the yaw moment at speed is within a factor 2 at best.
+UNCERTAINTY = {
+    0: "at rest: exact within linear theory, verified against analytic results",
+    1: "head and bow seas from 150 deg at speed: surge within 0.15 of SNNM's peak (rms)",
+    2: "90 to 150 deg at speed: surge within 0.3 of SNNM's peak (rms), in beam seas 0.45",
+    3: "below 90 deg at speed: factor 2",
+    4: "waves shorter than 0.4 L at speed: potential surge is 1.5 to 5 times too small",
+    5: "interpolated across tau = 1/4, or |omega_e| sqrt(L/g) < 0.3 where motions are faded",
+}
+BOUNDS = {"CX": 12.0, "CY": 1.5, "CN": 0.2}
+
+
+@dataclasses.dataclass(frozen=True)
+class WaveTable:
+    """Wave loads and motions of one ship; see the module for axes and factors.
+
+    Attributes
+    ----------
+    froude, heading, omega : numpy.ndarray
+        Axes: Froude number (f,), mu [rad] from 0 to pi (h,), omega sqrt(L/g) (w,); the last two
+        have equal steps.
+    CX_bem, CX_snnm, CY, CN : numpy.ndarray
+        float32, shape (f, h, w).
+    motions : numpy.ndarray
+        complex64, shape (f, h, w, 6), in the order of `MODES`.
+    uncertainty : numpy.ndarray
+        uint8, shape (f, h, w): key of `UNCERTAINTY`.
+    card : dict
+        Ship, panels, versions, calibrated constants, checks, time.
+    """
+
+    froude: np.ndarray
+    heading: np.ndarray
+    omega: np.ndarray
+    CX_bem: np.ndarray
+    CX_snnm: np.ndarray
+    CY: np.ndarray
+    CN: np.ndarray
+    motions: np.ndarray
+    uncertainty: np.ndarray
+    card: dict[str, Any]
+
+    def __post_init__(self):
+        shape = (len(self.froude), len(self.heading), len(self.omega))
+        for name in ("CX_bem", "CX_snnm", "CY", "CN", "motions", "uncertainty"):
+            values = getattr(self, name)
+            if values.shape[:3] != shape:
+                raise ConfigError(f"wave table: {name} has shape {values.shape}, axes say {shape}")
+            if not np.isfinite(values).all():
+                raise ConfigError(f"wave table: {name} has non-finite cells")
+
+    def surge(self, model: str = "blend") -> np.ndarray:
+        """CX by a surge model: "bem", "snnm" or the "blend" of `snnm_weight`, shape (f, h, w)."""
+        check_known("surge model", model, SURGE_MODELS)
+        weight = {"bem": 0.0, "snnm": 1.0}.get(model)
+        if weight is None:
+            weight = snnm_weight(self.froude, self.heading, self.omega)
+        return ((1.0 - weight) * self.CX_bem + weight * self.CX_snnm).astype(np.float32)
+
+    def save(self, path: str | Path) -> None:
+        """Write one .npz file, atomically; same table, same bytes."""
+        arrays = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        text = json.dumps(arrays.pop("card"), sort_keys=True, indent=1).encode()
+        with atomic_path(path) as temporary, temporary.open("wb") as file:
+            np.savez_compressed(file, **arrays, card=np.frombuffer(text, dtype=np.uint8))
+
+    @classmethod
+    def load(cls, path: str | Path) -> WaveTable:
+        """Read a table written by `save`; a missing or damaged file is a ConfigError."""
+        try:
+            with np.load(path, allow_pickle=False) as data:
+                arrays = {f.name: data[f.name] for f in dataclasses.fields(cls)}
+            arrays["card"] = json.loads(arrays["card"].tobytes())
+        except FileNotFoundError:
+            raise ConfigError(f"{path}: no such wave table") from None
+        except (KeyError, OSError, ValueError, zipfile.BadZipFile) as error:
+            raise ConfigError(f"{path}: not a wave table: {error}") from None
+        return cls(**arrays)
+
+
+def snnm_weight(froude: np.ndarray, heading: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """Share of SNNM in the surge coefficient of the model "blend", shape (f, h, w).
+
+    1 at speed in waves shorter than 0.4 L and in following and stern-quartering seas; 0 at rest and
+    in head to beam seas longer than 0.5 L (see ``calibration.py``).
+    """
+    speed = np.clip(np.asarray(froude) / 0.1, 0.0, 1.0)[:, None, None]
+    angle = np.degrees(heading)[:, None]
+    following = np.clip((90.0 - angle) / (90.0 - 45.0), 0.0, 1.0)
+    ratio = 2.0 * np.pi / np.asarray(omega) ** 2
+    short = np.clip((0.5 - ratio) / (0.5 - 0.4), 0.0, 1.0)
+    return speed * np.maximum(following, short)
+
+
+def uncertainty(froude: np.ndarray, heading: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """Class of every cell, see `UNCERTAINTY`, uint8, shape (f, h, w)."""
+    U, mu, w = np.meshgrid(froude, heading, omega, indexing="ij")
+    omega_e = w - w**2 * U * np.cos(mu)
+    found = np.select([mu > np.radians(149.9), mu > np.radians(89.9)], [1, 2], 3)
+    found = np.where(2.0 * np.pi / w**2 < 0.4, 4, found)
+    narrow = np.abs(np.abs(omega_e) * U - 0.25) < 0.03
+    found = np.where(narrow | (np.abs(omega_e) < 0.3), 5, found)
+    return np.where(U == 0.0, 0, found).astype(np.uint8)
+
+
+def compare_with_snnm(table: WaveTable) -> dict[str, dict[str, list[float]]]:
+    """Surge of the boundary elements beside SNNM, in waves of 0.4 to 2 L.
+
+    Returns
+    -------
+    dict
+        ``rms``: rms difference over lambda / L by SNNM's peak; ``peak``, ``peak_snnm``: largest -CX;
+        ``at``, ``at_snnm``: lambda / L of it. Each {Froude number: one value per heading}.
+    """
+    from scipy.interpolate import CubicSpline
+
+    ratio = np.linspace(0.4, 2.0, 200)
+    omega = np.sqrt(2.0 * np.pi / ratio)
+    names = ("rms", "peak", "peak_snnm", "at", "at_snnm")
+    found: dict[str, dict[str, list[float]]] = {name: {} for name in names}
+    for i, speed in enumerate(table.froude):
+        bem, snnm = (
+            -CubicSpline(table.omega, values[i], axis=1)(omega)
+            for values in (table.CX_bem, table.CX_snnm)
+        )
+        rms = np.sqrt(np.mean((bem - snnm) ** 2, axis=1)) / np.abs(snnm).max(axis=1)
+        at = [ratio[c.argmax(axis=1)] for c in (bem, snnm)]
+        columns = (rms, bem.max(axis=1), snnm.max(axis=1), *at)
+        for name, column in zip(names, columns, strict=True):
+            found[name][f"{speed:.2f}"] = [round(float(x), 3) for x in column]
+    return found
