@@ -69,4 +69,4 @@ def progress(iterable: Iterable, description: str = "", total: int | None = None
 
 def show(as_json: bool, data: Mapping[str, Any], text: str) -> None:
     """Print `data` as JSON (``--json``) or `text` for people, on stdout."""
-    print(json.dumps(data, indent=2) if as_json else text)
+    print(json.dumps(data, indent=2, allow_nan=False) if as_json else text)

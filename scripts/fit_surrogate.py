@@ -13,6 +13,7 @@ from ship_gym.reports import surrogate as report
 from ship_gym.reports.page import plain_text
 from ship_gym.reports.surrogate_sections import sections
 from ship_gym.ships.loader import DATA, attach_surrogate
+from ship_gym.simulation import SimulationDiverged
 from ship_gym.surrogates.fit import FAMILIES, Options, fit
 from ship_gym.surrogates.force_table import table_of
 from ship_gym.surrogates.own import own_data_set
@@ -129,17 +130,19 @@ def fit_one(args) -> tuple[dict, str]:
     def judge_it():
         done["data"] = report.as_dict(done["fit"], done["table"])
 
-    def sail_it():
-        name = done["fit"].name
-        done["data"]["turning_circle"] = report.turning_check(ship, done["table"], name)
-
-    for step in progress((fit_it, tabulate_it, judge_it, sail_it), "fitting"):
+    for step in progress((fit_it, tabulate_it, judge_it), "fitting"):
         step()
     found, table, facts = done["fit"], done["table"], done["data"]
     stem = report.file_stem(found)
     out = args.out or RUNS / f"{stem}.npz"
     page = out.with_suffix(".html") if args.report == Path() else args.report
+    if args.samples and out.resolve() == args.samples.resolve():
+        raise ConfigError(f"--out {out}: that is the file of the samples")
     table.save(out)
+    try:
+        facts["turning_circle"] = report.turning_check(ship, table, found.name)
+    except (ConfigError, SimulationDiverged) as error:
+        print(f"warning: {data.path}: {error}; are the signs and units right?", file=sys.stderr)
     draw(found, attach_surrogate(ship, table, found.name), facts, args.plot, page)
     facts["files"] = [str(path) for path in (out, args.plot, page) if path]
     text = [

@@ -82,6 +82,8 @@ def check_number(
     """Return a finite number within [low, high], else raise ConfigError that says so."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         raise ConfigError(f"{field} = {value!r}: must be a number [{unit}]")
+    if not math.isfinite(value) and low == -math.inf and high == math.inf:
+        raise ConfigError(f"{field} = {value}: must be finite [{unit}]")
     if not (math.isfinite(value) and low <= value <= high):
         raise ConfigError(f"{field} = {value}: allowed is {low:g} to {high:g} [{unit}]")
     return float(value)
@@ -241,14 +243,17 @@ def read_csv(path: str | Path) -> CsvTable:
         raise ConfigError(f"{path}: no such file")
     lines = [
         (number, line.strip())
-        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        for number, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), start=1)
         if line.strip()
     ]
     header = _read_header(path, [line for _, line in lines if line.startswith("#")])
     body = [(number, line.split(",")) for number, line in lines if not line.startswith("#")]
     if len(body) < 2:
         raise ConfigError(f"{path}: needs a row of column names with units and at least one row")
-    (_, titles), data = body[0], body[1:]
+    (line, titles), data = body[0], body[1:]
+    names = [title.strip().partition(" [")[0] for title in titles]
+    if double := sorted({name for name in names if names.count(name) > 1}):
+        raise ConfigError(f"{path}:{line}: column {double[0]!r} is there twice")
     for number, cells in data:
         if len(cells) != len(titles):
             raise ConfigError(f"{path}:{number}: {len(cells)} cells, but {len(titles)} columns")

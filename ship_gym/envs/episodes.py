@@ -27,8 +27,14 @@ from ship_gym.simulation import ShipSim, self_propulsion
 from ship_gym.tasks import heading
 
 N_ACTIONS = {"rudder": 1, "rudder+rpm": 2}
-# fields of a ship's surrogate that randomisation draws, and where it cuts the normal distribution
-SURROGATE_DRAWS = ("z_T", "z_Q", "z_S", "z_N", "z_A")
+# What randomisation draws of a ship's surrogate, and the fields that each draw sets: thrust and
+# torque err together, by the wake. And where the normal distribution is cut.
+SURROGATE_DRAWS = {
+    "propeller": ("z_T", "z_Q"),
+    "side": ("z_S",),
+    "rudder": ("z_N",),
+    "chord": ("z_A",),
+}
 _CUT = 3.0
 _SATURATED = 0.999
 
@@ -128,8 +134,9 @@ class EpisodeBatch:
         waves_to = self._draw_waves_and_wind(which, sea)
         if self._surrogate_std > 0.0:
             z = np.clip(ndtri(drawn), -_CUT, _CUT) * self._surrogate_std
-            for name, column in zip(SURROGATE_DRAWS, z.T, strict=True):
-                sim.records["surrogate"][name][which] = column
+            for fields, column in zip(SURROGATE_DRAWS.values(), z.T, strict=True):
+                for name in fields:
+                    sim.records["surrogate"][name][which] = column
         tasks["psi_ordered"][which] = order
         state = np.zeros((len(which), sim.state.shape[1]))
         state[:, PSI] = order + error
@@ -174,13 +181,15 @@ class EpisodeBatch:
     def randomisation(self) -> dict[str, np.ndarray]:
         """What was drawn for the ship of each episode, arrays of shape (n,); empty if it is off.
 
-        ``surrogate.z_T`` and so on: standard deviations by which the surrogate's thrust, torque,
-        propeller side force and the rudder's normal and chordwise force are moved.
+        ``surrogate.propeller`` (thrust and torque), ``surrogate.side`` (propeller side force),
+        ``surrogate.rudder`` (normal force) and ``surrogate.chord``: standard deviations by which
+        the surrogate is moved. The normal force is moved at every rudder angle: at the trained one
+        by the surrogate's standard deviation, amidships by the law's rms error at the samples.
         """
         if self._surrogate_std == 0.0:
             return {}
         drawn = self.sim.records["surrogate"]
-        return {f"surrogate.{name}": drawn[name].copy() for name in SURROGATE_DRAWS}
+        return {f"surrogate.{k}": drawn[v[0]].copy() for k, v in SURROGATE_DRAWS.items()}
 
     def step(self, actions: np.ndarray) -> None:
         """Sail one control interval under actions of shape (n, n_actions)."""

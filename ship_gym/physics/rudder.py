@@ -127,8 +127,9 @@ def rudder_on_plate(motion, controls, flow, wash, ship, tables):
     v_g = lateral_inflow(flow, r, k)
     F_N = normal_force(direction, u_R, straightening(v_g, 1.0, k) * v_g, k, ship.rho)
     blend, side = surrogate_blend(controls[0], box)
+    doubt = box.z_N * box.law_std  # a draw moves the law too, by its error at the samples
     if blend <= 0.0:
-        return F_N, 0.0, beta_R
+        return F_N * (1.0 + doubt), 0.0, beta_R
     trained = (side * box.sin_delta, box.cos_delta)
     mirror = 1.0 if k.y_R > 0.0 else side
     law = normal_force(trained, u_R, straightening(v_g, mirror, k) * v_g, k, ship.rho)
@@ -137,6 +138,7 @@ def rudder_on_plate(motion, controls, flow, wash, ship, tables):
     q = race_speed_squared(u, race[0], ship.propeller.D, ship.rho) + v_local * v_local
     q *= 0.5 * ship.rho * box.S_R
     share = blend * bilinear(table, at, TRUST)
+    F_N *= 1.0 + doubt * (1.0 - share)
     F_N += share * (side * q * sampled(table, at, C_N, box.z_N) - law)
     return F_N, share * q * sampled(table, at, C_A, box.z_A), beta_R
 

@@ -58,11 +58,13 @@ def overshoots(ship: Ship, angle_deg: float, froude: float) -> list[float]:
 def zigzags(ship: str = "kcs_model") -> list[dict[str, Any]]:
     """Overshoots [deg] of 10/10 and 20/20 to both sides with each family, beside the hull sets."""
     ships = {family: load_ship(ship, surrogate=name) for family, name in FAMILIES.items()}
+    mmg = [load_ship(ship, surrogate="none", variant=hull) for hull in ("hull_a", None)]
     return [
         {
             "froude": froude,
             "angle_deg": angle,
             "hull_sets": HULL_SETS[froude][int(angle)],
+            "computed": [overshoots(s, angle, froude) for s in mmg],
             "families": {k: overshoots(s, angle, froude) for k, s in ships.items()},
         }
         for froude in FROUDE_NUMBERS
@@ -114,11 +116,12 @@ def _zigzag_text(rows: list[dict[str, Any]]) -> str:
             f"{row['froude']:g}",
             f"{row['angle_deg']:+g}/{row['angle_deg']:+g}",
             *(pair(row["families"][family]) for family in FAMILIES),
+            ", ".join(pair(values) for values in row["computed"]),
             ", ".join(pair(values) for values in row["hull_sets"]),
         ]
         for row in rows
     ]
-    header = ["Fn", "zig-zag", *FAMILIES, "hull sets A, B with MMG rudder"]
+    header = ["Fn", "zig-zag", *FAMILIES, "hull sets A, B with MMG rudder", "in the reference"]
     return "\n".join(
         [
             "kcs_model, first / second overshoot [deg]; + first to starboard",

@@ -25,6 +25,7 @@ from ship_gym.simulation import ShipSim
 COUNTS = (1, 64, 4096)
 SHIP_ENV = "ShipGym/HeadingKeeping-v0"
 YARDSTICK = "CartPole-v1"
+_COMPARED = 1024  # ships, to compare a table surrogate with the analytic step
 _PREPARED = 32  # different action batches, drawn before the clock starts
 _FIRST_STEP = (
     "import time; t = time.perf_counter(); import gymnasium as gym, ship_gym; "
@@ -64,9 +65,9 @@ def best_of(call: Callable[[int], Any], repeats: int, seconds: float) -> dict[st
     return {"seconds": min(times), "spread_percent": 100.0 * (max(times) / min(times) - 1.0)}
 
 
-def physics_step(n: int, parallel: bool) -> Callable[[int], Any]:
+def physics_step(n: int, parallel: bool, surrogate: str | None = None) -> Callable[[int], Any]:
     """One ``ShipSim.step`` of n KCS by one control interval (1 s) under random commands."""
-    ship = load_ship("kcs")
+    ship = load_ship("kcs", surrogate=surrogate)
     sim = ShipSim(ship, n, load_sea("disturbed_current"), parallel)
     sim.reset(0)
     rudder = np.random.default_rng(0).uniform(-1.0, 1.0, (_PREPARED, n)) * ship.gear.delta_max
@@ -110,6 +111,13 @@ def jobs(counts: tuple[int, ...] = COUNTS) -> Iterator[tuple[str, int, Callable[
                 lambda n=n, p=parallel: vector_step(SHIP_ENV, n, parallel=p),
             )
         yield f"{YARDSTICK} vector step", n, lambda n=n: vector_step(YARDSTICK, n)
+    for surrogate in ("none", "gp"):
+        name = "analytic MMG rudder" if surrogate == "none" else f"surrogate {surrogate}"
+        yield (
+            f"ShipSim.step, serial, {name}",
+            _COMPARED,
+            lambda s=surrogate: physics_step(_COMPARED, False, s),
+        )
     yield "ShipEnv.step", 1, lambda: scalar_step(ShipEnv())
     yield f"gym.make({YARDSTICK}).step", 1, lambda: scalar_step(gym.make(YARDSTICK))
 

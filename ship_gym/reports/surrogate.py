@@ -20,6 +20,7 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.surrogates.base import percent_error
 from ship_gym.surrogates.error_budget import GRID, TURBULENCE, error_budget
 from ship_gym.surrogates.fit import Fit, Options, leave_one_out, new_model
+from ship_gym.surrogates.gaussian_process import GaussianProcess
 from ship_gym.surrogates.regression import FEATURES, Regression
 from ship_gym.surrogates.samples import DATA_SETS
 from ship_gym.surrogates.sampling import proposals
@@ -134,6 +135,10 @@ def _left_out(fit: Fit, side: str) -> tuple[dict[str, list[float]], str]:
         return {}, "not done for networks: each point would cost another training"
     try:
         for name, y in samples.values.items():
+            model = fit.models[side][name]
+            if isinstance(model, GaussianProcess):  # in closed form, its length scales held
+                found[name] = (100.0 * model.leave_one_out()[0] / y).tolist()
+                continue
             make = partial(new_model, fit.data, fit.options, side, name)
             found[name] = percent_error(y, leave_one_out(make, samples.X, y)).tolist()
     except ConfigError as error:

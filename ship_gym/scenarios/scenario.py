@@ -108,9 +108,9 @@ class Randomisation:
     Attributes
     ----------
     surrogate_std : float
-        Standard deviation of the draws by which thrust, torque, propeller side force and the
+        Standard deviation of the draws by which thrust with torque, propeller side force and the
         rudder's two forces are moved, in standard deviations of the surrogate: 1 takes the
-        surrogate at its word, 0 sails its mean.
+        surrogate at its word, 0 sails its mean. Cut at three of them.
     """
 
     surrogate_std: float = 0.0

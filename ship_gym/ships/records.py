@@ -66,6 +66,7 @@ def surrogate_section(table: Table | None) -> Surrogate:
         **table.card["domain"],
         sin_delta=math.sin(table.card["domain"]["delta"]),
         cos_delta=math.cos(table.card["domain"]["delta"]),
+        law_std=0.01 * table.card["effective_inflow"]["rms_error_percent"],
         epsilon_start=epsilon.start,
         epsilon_step=epsilon.step,
         beta_start=beta.start,

@@ -111,4 +111,5 @@ def fit_effective_inflow(sides: dict[str, RudderSamples], ship: Ship) -> dict[st
             for side, part in zip(sides, np.split(errors, ends), strict=True)
         },
         "mean_abs_error_percent": float(np.abs(errors).mean()),
+        "rms_error_percent": float(np.sqrt(np.mean(errors**2))),
     }

@@ -124,13 +124,15 @@ def _channels(fit: Fit, side: str, J, beta, torque) -> dict[str, tuple[np.ndarra
     F_x, F_x_std = value("C_Fx")
     F_y, F_y_std = value("C_Fy", data.sign)
     C_N, C_A = rudder_frame(F_x, F_y, data.delta)
+    # The rudder's force is nearly normal to it, so an error of it moves C_Fx and C_Fy together:
+    # their errors are taken as fully (anti-)correlated, as those of one normal force are.
     s, c = math.sin(data.delta), math.cos(data.delta)
     return {
         "C_T": (starred(K_T, J), starred(K_T_std, J)),
         "C_Q": (starred(K_Q, J), starred(K_Q_std, J)),
         "C_S": (starred(K_S, J), starred(K_S_std, J)),
-        "C_N": (C_N, np.hypot(c * F_y_std, s * F_x_std)),
-        "C_A": (C_A, np.hypot(c * F_x_std, s * F_y_std)),
+        "C_N": (C_N, c * F_y_std + s * F_x_std),
+        "C_A": (C_A, np.abs(c * F_x_std - s * F_y_std)),
     }
 
 

@@ -75,8 +75,11 @@ def own_data_set(
     check_rows(rows, beta, -1.0 if to_port else 1.0)
     choices = _choices(rows)
     held = _held_out(rows, validation)
-    points = np.unique(_of_choice(rows, choices[0] if choices else ("", "")).columns["point"])
-    X = np.stack([rows.si("J"), rows.si(beta)])
+    mine = _of_choice(rows, choices[0] if choices else ("", ""))
+    points = np.unique(mine.columns["point"])
+    fitted = mine.select(~np.isin(mine.columns["point"], sorted(held)))
+    if not len(fitted.rows):
+        raise ConfigError(f"{path}: all points are held out; at least some must be in training")
     quantities = (thrust, "10K_Q", "K_S", "C_Fx", "C_Fy")
     return DataSet(
         name=path.stem,
@@ -86,7 +89,7 @@ def own_data_set(
         thrust=thrust,
         quantities=tuple(q for q in quantities if q in rows.columns),
         sides=_sides(rows, ship, turn),
-        box=(*_range(X[0]), *_range(X[1])),
+        box=(*_range(fitted.si("J")), *_range(fitted.si(beta))),
         training=tuple(int(p) for p in points if p not in held),
         validation=tuple(int(p) for p in points if p in held),
         to_port=to_port,

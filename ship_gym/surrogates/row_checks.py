@@ -41,7 +41,7 @@ def check_columns(rows: CsvTable, path: Path) -> tuple[str, str]:
     Raises
     ------
     ConfigError
-        Missing, unknown or double column, or a unit that is not allowed, with the line of titles.
+        Missing or unknown column, or a unit that is not allowed, with the line of titles.
     """
     where = f"{path}:{_title_line(path)}"
     for name in rows.columns:
@@ -69,7 +69,7 @@ def check_columns(rows: CsvTable, path: Path) -> tuple[str, str]:
 
 def _title_line(path: Path) -> int:
     """Line of the column names."""
-    text = path.read_text(encoding="utf-8").splitlines()
+    text = path.read_text(encoding="utf-8-sig").splitlines()
     return next(
         n for n, x in enumerate(text, start=1) if x.strip() and not x.lstrip().startswith("#")
     )

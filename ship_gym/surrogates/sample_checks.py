@@ -19,6 +19,7 @@ _PLANE = ((0, 0), (1, 0), (0, 1))  # powers of J and beta; less than a plane can
 # deviation and two length scales; a network is counted by its inputs.
 _FITTED = {"gp": 4, "nn": len(FEATURES["network"])}
 _MOST_CONDITION = 30.0  # of the scaled features; 6.0 for the eight points of the thesis
+_OBLIQUE = math.radians(15.0)
 _USUAL_DRIFT = math.radians(60.0)
 _LOOKS_LIKE_RADIANS = math.radians(1.6)
 _MOST_EFFICIENCY = 1.5  # J K_T / (2 pi K_Q) with the ship's speed; above it K_Q is not 10 K_Q
@@ -61,7 +62,19 @@ def check_samples(
         found += _spread(training, options)
         found += _unusual(samples, ship, data)
         found += _twice(samples)
+    found += _sides(data, grid, turbulence)
     return list(dict.fromkeys(found))
+
+
+def _sides(data: DataSet, grid: str, turbulence: str) -> list[str]:
+    """Two propellers that look exchanged: drift unloads the rudder to windward."""
+    if len(data.sides) < 2:
+        return []
+    leeward, windward = (data.read(grid, turbulence, side) for side in data.sides)
+    outer, inner = (np.median(np.abs(s.values["C_Fy"])) for s in (windward, leeward))
+    if outer <= inner or np.abs(leeward.X[:, 1]).max() < math.radians(10.0):
+        return []
+    return [f"{data.path}: the rudder to windward carries more than the other: sides exchanged?"]
 
 
 def _spread(training: Samples, options: Options) -> list[str]:
@@ -121,6 +134,10 @@ def _unusual(samples: Samples, ship: Ship, data: DataSet) -> list[str]:
         checks.append(
             (np.ones(len(beta), dtype=bool), "drift below 1.6 deg everywhere looks like radians")
         )
+    if "K_S" in samples.values:
+        # the flow across the propeller pushes it with it: to starboard in a turn to starboard
+        against = (data.sign * samples.values["K_S"] > 0.0) & (np.abs(beta) > _OBLIQUE)
+        checks.append((against, "K_S pushes against the cross flow: is its sign right?"))
     if "10K_Q" in samples.values:
         ratio = J * samples.values[data.thrust] * 10.0
         high = ratio > _MOST_EFFICIENCY * 2.0 * math.pi * np.abs(samples.values["10K_Q"])

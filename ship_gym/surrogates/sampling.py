@@ -21,12 +21,13 @@ def box_grid(box: tuple[float, float, float, float], count: int = GRID) -> np.nd
 def relative_std(fit: Fit, side: str, X: np.ndarray) -> dict[str, np.ndarray]:
     """Standard deviation of each quantity over the range of its training values, shapes (n,).
 
-    A model that does not know its own (printed coefficients) is left out.
+    A model that does not know its own (printed coefficients) is left out, and so is a quantity that
+    does not vary.
     """
     found = {}
     for name, values in fit.training[side].values.items():
         std = fit.models[side][name].predict(X)[1]
-        if np.isfinite(std).all():
+        if np.isfinite(std).all() and np.ptp(values) > 0.0:
             found[name] = std / np.ptp(values)
     return found
 

@@ -92,7 +92,7 @@ def test_a_recorded_episode_says_what_was_drawn():
     overrides = {**ON, "duration": 20.0}
     runs = rollout(HardOver(), seeds=[1, 2], surrogate="gp", overrides=overrides)
     metas = [episode.meta["randomisation"] for episode in runs.episodes]
-    assert metas[0]["surrogate.z_T"] != metas[1]["surrogate.z_T"]
+    assert metas[0]["surrogate.propeller"] != metas[1]["surrogate.propeller"]
     assert metas[0] == ShipEnv(surrogate="gp", overrides=ON).reset(seed=1)[1]["randomisation"]
 
 
@@ -102,6 +102,9 @@ def test_a_surrogate_without_standard_deviation_is_refused(surrogate):
         ShipEnv(surrogate=surrogate, overrides=ON)
 
 
-def test_negative_size_is_refused():
-    with pytest.raises(ConfigError, match=r"randomisation.surrogate_std = -1"):
-        ShipEnv(overrides={"randomisation.surrogate_std": -1.0})
+@pytest.mark.parametrize(
+    ("size", "words"), [(-1.0, "surrogate_std = -1.0: allowed"), (np.nan, "must be finite")]
+)
+def test_a_size_that_is_none_is_refused(size, words):
+    with pytest.raises(ConfigError, match=words):
+        ShipEnv(overrides={"randomisation.surrogate_std": size})

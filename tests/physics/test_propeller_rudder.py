@@ -171,6 +171,75 @@ def test_stopped_propeller_and_stopped_ship(ship):
     assert bollard[1][0] > 0.0 and bollard[2][1] < 0.0  # rudder to starboard pushes stern to port
 
 
+def moved(z_name, delta=D35, J=0.5, beta=0.35, z=1.5):
+    """Thrust, torque, propeller side force, rudder surge and sway, and what a draw adds to them."""
+    record, tables = tables_of(load_ship("kcs_model", surrogate="gp"))
+    record = record.copy()
+    u = J * N_CFD * D
+    found = []
+    for value in (0.0, z):
+        if z_name:
+            record.surrogate[z_name] = value
+        _, P, R, flow = forces((u, -u * math.tan(beta), 0.0), (delta, N_CFD), record, tables)
+        found.append(np.array([flow[3], flow[4], P[1], R[0], R[1]]))
+    return found[0], found[1] - found[0]
+
+
+@pytest.mark.parametrize(
+    ("z_name", "channel", "row"),
+    [
+        ("z_T", "C_T_std", 0),
+        ("z_Q", "C_Q_std", 1),
+        ("z_N", "C_N_std", None),
+        ("z_A", "C_A_std", None),
+    ],
+)
+def test_a_draw_moves_its_own_force_by_that_many_standard_deviations(z_name, channel, row):
+    """At the trained angle inside the box; thrust also moves the race at the rudder."""
+    ship, J, beta, z = load_ship("kcs_model", surrogate="gp"), 0.5, 0.35, 1.5
+    at = dict(
+        zip(ship.surrogate.names, ship.surrogate(np.arctan(J / (0.7 * np.pi)), beta), strict=True)
+    )
+    base, change = moved(z_name, J=J, beta=beta, z=z)
+    u = J * N_CFD * D
+    if row is not None:
+        q = 0.125 * math.pi * ship.rho * (u**2 + (0.7 * math.pi * N_CFD * D) ** 2) * D**2
+        assert change[row] == pytest.approx(z * at[channel] * q * D**row, rel=1e-6)
+        assert change[1 - row] == 0.0
+        return
+    v = u * math.tan(beta)
+    q = 0.5 * ship.rho * S_R * (u**2 + 8.0 * base[0] / (ship.rho * math.pi * D**2) + v**2)
+    along, across = (
+        (math.sin(D35), math.cos(D35)) if z_name == "z_N" else (-math.cos(D35), math.sin(D35))
+    )
+    assert change[3] == pytest.approx(-z * at[channel] * q * along, rel=1e-6)
+    assert change[4] == pytest.approx(
+        -z * at[channel] * q * across * (1.0 + ship.rudder.a_H), rel=1e-6
+    )
+    assert (change[:3] == 0.0).all()
+
+
+def test_a_draw_moves_the_side_force_of_the_propeller():
+    record, tables = SHIPS["onrt_model"]
+    record = record.copy()
+    sway = []
+    for z in (0.0, 2.0):
+        record.surrogate["z_S"] = z
+        sway.append(forces((0.8, -0.3, 0.0), (D35, 8.97), record, tables)[1][1])
+    assert abs(sway[1] - sway[0]) > 0.01 * abs(sway[0])
+
+
+def test_near_amidships_a_draw_moves_the_law_by_its_error_at_the_samples():
+    base, change = moved("z_N", delta=1e-4, z=2.0)
+    law_std = (
+        0.01
+        * load_ship("kcs_model", surrogate="gp").surrogate.card["effective_inflow"][
+            "rms_error_percent"
+        ]
+    )
+    assert change[4] / base[4] == pytest.approx(2.0 * law_std, rel=1e-3)
+
+
 def test_extrapolation_is_reported_and_zero_inside():
     assert drifting(0.5, 0.3)[3][6] == 0.0
     assert drifting(0.5, 0.3, 0.0)[3][6] == 0.0  # amidships the surrogate is not used

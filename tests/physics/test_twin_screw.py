@@ -11,6 +11,7 @@ from ship_gym.physics.dynamics import forces, unit_forces
 from ship_gym.ships import load_ship
 from ship_gym.simulation import self_propulsion
 from ship_gym.surrogates.regression import Regression
+from ship_gym.surrogates.samples import ONRT
 from tests.conftest import tables_of
 
 D35, N, D, S_R = math.radians(35.0), 8.97, 0.1066, 0.012
@@ -57,6 +58,57 @@ def test_yaw_moment_of_each_side_has_its_lever():
     # the starboard propeller in the source's axes: d_y = -0.084 to port, S = -Y, moment up = -N
     d, d_y = -SHIP.propeller.x_P, -0.084
     assert -moment == pytest.approx(-(d * -Y + d_y * X))
+
+
+@pytest.mark.parametrize(
+    ("side", "turn", "low", "high"),
+    [("leeward", 1.0, 0.995, 1.01), ("windward", -1.0, 1.01, 1.11)],
+)
+def test_yaw_moment_of_each_rudder_is_the_printed_one(side, turn, low, high):
+    """C_Mz of Knight (2021) Tables 5.3-5.6 by the lever times the force, both from the CFD.
+
+    To leeward the two agree within 0.6 %, which confirms sign and lever. To windward the printed
+    moment is 1 to 11 % larger: its force attacks further aft than the stock; the model has no such
+    shift.
+    """
+    rudder = dataclasses.replace(SHIP.rudder, a_H=0.0)
+    record, tables = tables_of(dataclasses.replace(SHIP, rudder=rudder))
+    samples = ONRT.read("G2", "SA", side).pick(ONRT.training)
+    x_R = SHIP.rudder.x_R - SHIP.hull.x_G  # moments of the source are about the centre of gravity
+    ratios = []
+    for (J, beta), C_Mz in zip(samples.X, samples.values["C_Mz"], strict=True):
+        motion, controls, drift = drifting(J, turn * beta, turn * D35)
+        _, (X, Y, N_R), seen = unit_forces(motion, controls, drift, record, tables)
+        u, v = motion[0], motion[1]
+        q = 0.5 * SHIP.rho * S_R * (u**2 + 8.0 * seen[2] / (SHIP.rho * math.pi * D**2) + v**2)
+        about_G = N_R - SHIP.hull.x_G * Y
+        assert about_G == pytest.approx(x_R * Y - 0.084 * X, rel=1e-9)
+        # the model's own error of the force is taken out by the CFD forces at the same lever
+        F_x, F_y = samples.values["C_Fx"], samples.values["C_Fy"]
+        k = len(ratios)
+        y = 0.084 if side == "leeward" else -0.084  # to port in the source's axes
+        ratios.append(C_Mz / ((1.384 * -F_y[k] - y * F_x[k]) / 1.384))
+        # a turn to port in the source has a positive moment up; ours is mirrored to leeward
+        assert math.copysign(1.0, C_Mz) == math.copysign(1.0, turn * about_G)
+        # scale only: the regression misses its own windward training points by up to 0.035
+        assert abs(about_G) / (q * 1.384) == pytest.approx(abs(C_Mz), abs=0.06)
+    assert low < np.min(ratios) and np.max(ratios) < high
+
+
+def test_yaw_rate_changes_the_axial_inflow_of_each_rudder():
+    """The starboard rudder of a starboard yaw goes slower by y_R r (propeller stopped)."""
+    still = dataclasses.replace(SHIP, rudder=dataclasses.replace(SHIP.rudder, l_R=0.0, x_R=0.0))
+    record, tables = tables_of(still)
+    slower = 1.0 - 0.084 * 0.2
+    turning = unit_forces((1.0, 0.0, 0.2), (0.05, 0.0), (1.0, 0.0), record, tables)[1]
+    same = unit_forces((slower, 0.0, 0.0), (0.05, 0.0), (1.0, 0.0), record, tables)[1]
+    assert turning[1] == pytest.approx(same[1], rel=1e-9)
+
+
+def test_the_calibrated_tactical_diameter():
+    """Knight (2021): 3.00 L, measured in waves; N_r of the ship file is calibrated to it."""
+    found = turning_circle(SHIP, -D35, 1.11, N)
+    assert found.tactical_diameter == pytest.approx(3.00, abs=0.01)
 
 
 def test_both_propellers_add_up_and_the_lateral_levers_count():

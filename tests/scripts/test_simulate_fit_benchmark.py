@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ship_gym.config import ConfigError
 from ship_gym.reports.page import Picture
 from ship_gym.ships.loader import DATA, attach_surrogate, load_ship
 from ship_gym.surrogates.samples import KCS
@@ -244,3 +245,22 @@ def test_measured_speed_is_of_the_right_size():
     assert found["n"] == 64
     assert found["steps_per_second"] > 1000.0
     assert found["steps_per_second"] == pytest.approx(64 / found["seconds"])
+
+
+def test_a_fit_whose_ship_does_not_turn_is_kept_and_warned_of(call, monkeypatch):
+    from ship_gym.reports import surrogate as report
+
+    def no_circle(*_):
+        raise ConfigError("no turning circle")
+
+    monkeypatch.setattr(report, "turning_check", no_circle)
+    code, out, err = call("fit_surrogate.py", "--out", "kept.npz")
+    assert code == 0 and Path("kept.npz").is_file() and "wrote kept.npz" in out
+    assert "kcs_propeller_rudder_cfd.csv: no turning circle; are the signs and units right?" in err
+
+
+def test_the_table_does_not_replace_its_samples(call):
+    Path("mine.csv").write_text(KCS.path.read_text())
+    code, _, err = call("fit_surrogate.py", "--samples", "mine.csv", "--out", "mine.csv")
+    assert code == 2 and "that is the file of the samples" in err
+    assert Path("mine.csv").read_text() == KCS.path.read_text()

@@ -55,7 +55,7 @@ def kcs_printed(grid, quantity):
 @pytest.mark.parametrize("grid", ["G1", "G2", "G3"])
 @pytest.mark.parametrize("quantity", KCS.quantities)
 def test_kcs_held_out_errors_are_the_printed_ones(grid, quantity):
-    """Tables 3.7-3.10 within 0.5 percentage points, but for two cells that contradict the thesis.
+    """Tables 3.7-3.10 within 0.4 percentage points, but for two cells that contradict the thesis.
 
     C_Fx and C_Fy of point 2 on G3: the coefficients that the thesis prints itself (A.11) miss its
     printed errors there by 0.8 and 1.1 points, so no fit can meet both. See the next test.
@@ -64,7 +64,7 @@ def test_kcs_held_out_errors_are_the_printed_ones(grid, quantity):
     difference = np.abs(ours - kcs_printed(grid, quantity))
     contradicted = grid == "G3" and quantity in ("C_Fx", "C_Fy")
     keep = [0, 2, 3] if contradicted else [0, 1, 2, 3]
-    assert (difference[keep] < 0.5).all()
+    assert (difference[keep] < 0.4).all()
 
 
 @pytest.mark.parametrize(("quantity", "gap"), [("C_Fx", 0.81), ("C_Fy", 1.09)])

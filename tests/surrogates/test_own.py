@@ -12,6 +12,7 @@ from ship_gym.surrogates.force_table import table_of
 from ship_gym.surrogates.own import own_data_set
 from ship_gym.surrogates.sample_checks import check_samples
 from ship_gym.surrogates.samples import KCS, LEEWARD, ONRT, WINDWARD
+from ship_gym.surrogates.sampling import least_sure
 
 HEADER = "# title: t\n# source: s\n# obtained: o\n# conventions: c\n"
 TITLES = "point [-],J [-],beta [deg],K_T [-],10K_Q [-],C_Fx [-],C_Fy [-]"
@@ -245,3 +246,62 @@ def test_radians_under_a_column_of_degrees_and_clusters(write, ship):
 
 def test_the_samples_of_the_thesis_are_spread_well(ship):
     assert all("average out" in warning for warning in check_samples(KCS, ship))
+
+
+def test_a_double_column_is_refused_and_a_byte_order_mark_is_not(write, ship):
+    path = write(titles=TITLES.replace("10K_Q", "K_T"))
+    with pytest.raises(ConfigError, match=r"my.csv:5: column 'K_T' is there twice"):
+        own_data_set(path, ship)
+    path = write()
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert len(own_data_set(path, ship).training) == 12
+
+
+def test_the_box_is_that_of_the_training_points(write, ship):
+    far = "13,1.4,30.0,0.05,0.15,-0.2,0.2"
+    data = own_data_set(write((*ROWS, far)), ship, validation=(13,))
+    assert data.box[1] == 0.856 and table_of(fit(data), ship).card["domain"]["J_max"] == 0.856
+    with pytest.raises(ConfigError, match="all points are held out"):
+        own_data_set(write(), ship, validation=tuple(range(1, 13)))
+
+
+@pytest.fixture
+def twin(tmp_path):
+    """The printed ONRT samples as a user's own, with changes."""
+
+    def made(change=lambda text: text):
+        path = tmp_path / "twin.csv"
+        text = ONRT.path.read_text().replace("# conventions", "# turn: port\n# conventions")
+        path.write_text(change(text))
+        return path
+
+    return made
+
+
+def test_exchanged_sides_and_a_wrong_side_force_of_the_propeller_are_warned_of(twin):
+    ship = load_ship("onrt_model", surrogate="none")
+
+    def warnings(path):
+        return " ".join(check_samples(own_data_set(path, ship), ship, None, "G2", "SA"))
+
+    assert "exchanged" not in warnings(twin()) and "K_S" not in warnings(twin())
+
+    def exchanged(text):
+        swap = {"port": "starboard", "starboard": "port"}
+        rows = [row.split(",") for row in text.splitlines()]
+        return "\n".join(",".join(swap.get(x, x) for x in row) for row in rows)
+
+    assert "sides exchanged?" in warnings(twin(exchanged))
+
+    def turned(text):
+        rows = [row.split(",") for row in text.splitlines()]
+        rows = [[*r[:7], f"-{r[7]}", *r[8:]] if r[0].isdigit() else r for r in rows]
+        return "\n".join(",".join(row) for row in rows)
+
+    assert "K_S pushes against the cross flow" in warnings(twin(turned))
+
+
+def test_a_quantity_that_does_not_vary_has_no_relative_standard_deviation(write, ship):
+    rows = [f"{row},0.02" for row in ROWS]
+    found = fit(own_data_set(write(rows, TITLES + ",K_S [-]"), ship))
+    assert "K_S" not in {row["quantity"] for row in least_sure(found)}
