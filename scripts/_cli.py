@@ -32,7 +32,12 @@ def parser(description: str, examples: Sequence[str]) -> argparse.ArgumentParser
 
 
 # library -> extra of ship-gym that brings it, and what for
-_EXTRAS = {"rerun": ("rerun", "recordings"), "matplotlib": ("plot", "pictures")}
+_EXTRAS = {
+    "rerun": ("rerun", "recordings"),
+    "matplotlib": ("plot", "pictures"),
+    "capytaine": ("bem", "wave tables"),
+    "joblib": ("bem", "wave tables"),
+}
 
 
 def need(library: str) -> None:

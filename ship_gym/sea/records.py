@@ -110,7 +110,7 @@ class Waters:
 
     @property
     def n_phases(self) -> int:
-        """Uniform numbers that the phases of one ship's sea need: the disturbance, then the rest."""
+        """Uniform numbers for the phases of one ship: of the disturbance, then of the rest."""
         rest = self.n_waves or self.records["windy"].any() or self.records["variation"].any()
         return N_DISTURBANCE + (1 + N_GUSTS + self.n_waves if rest else 0)
 

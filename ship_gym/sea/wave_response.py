@@ -1,4 +1,4 @@
-"""Response of a ship to unit waves of given frequencies, from its wave table, as kernels read it."""
+"""Response of a ship to waves of given frequencies, from its wave table, as kernels read it."""
 
 from __future__ import annotations
 

@@ -35,12 +35,19 @@ SURGE_MODELS = ("bem", "snnm", "blend")
 # What a cell of `uncertainty` means; the yaw moment at speed is within a factor 2 at best.
 UNCERTAINTY = {
     0: "at rest: exact within linear theory, verified against analytic results",
-    1: "head and bow seas from 150 deg at speed: surge within 0.15 of SNNM's peak (rms)",
-    2: "90 to 150 deg at speed: surge within 0.3 of SNNM's peak (rms), in beam seas 0.45",
+    1: "150 to 180 deg at speed: surge within 0.2 of SNNM's peak (rms), container ships 0.15",
+    2: "90 to 150 deg at speed: surge within 0.35 of SNNM's peak (rms)",
     3: "below 90 deg at speed: factor 2",
     4: "waves shorter than 0.4 L at speed: potential surge is 1.5 to 5 times too small",
     5: "interpolated across tau = 1/4, or |omega_e| sqrt(L/g) < 0.3 where motions are faded",
 }
+# Where the surge coefficient of the choice "blend" is SNNM's: at Fn >= SNNM_FULL_FROUDE in waves
+# shorter than SNNM_SHORT (none beyond SNNM_SHORT_END) by L, in which potential theory lies 1.5 to 5
+# below it, and at headings below SNNM_FOLLOWING_DEG (none beyond 90 deg).
+SNNM_FULL_FROUDE = 0.10
+SNNM_SHORT = 0.4
+SNNM_SHORT_END = 0.5
+SNNM_FOLLOWING_DEG = 60.0
 BOUNDS = {"CX": 12.0, "CY": 1.5, "CN": 0.2}
 
 
@@ -116,50 +123,11 @@ def snnm_weight(froude: np.ndarray, heading: np.ndarray, omega: np.ndarray) -> n
     """Share of SNNM in the surge coefficient of the model "blend", shape (f, h, w).
 
     1 at speed in waves shorter than 0.4 L and in following and stern-quartering seas; 0 at rest and
-    in head to beam seas longer than 0.5 L (see ``calibration.py``).
+    in head to beam seas longer than 0.5 L (constants above).
     """
-    speed = np.clip(np.asarray(froude) / 0.1, 0.0, 1.0)[:, None, None]
+    speed = np.clip(np.asarray(froude) / SNNM_FULL_FROUDE, 0.0, 1.0)[:, None, None]
     angle = np.degrees(heading)[:, None]
-    following = np.clip((90.0 - angle) / (90.0 - 45.0), 0.0, 1.0)
+    following = np.clip((90.0 - angle) / (90.0 - SNNM_FOLLOWING_DEG), 0.0, 1.0)
     ratio = 2.0 * np.pi / np.asarray(omega) ** 2
-    short = np.clip((0.5 - ratio) / (0.5 - 0.4), 0.0, 1.0)
+    short = np.clip((SNNM_SHORT_END - ratio) / (SNNM_SHORT_END - SNNM_SHORT), 0.0, 1.0)
     return speed * np.maximum(following, short)
-
-
-def uncertainty(froude: np.ndarray, heading: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """Class of every cell, see `UNCERTAINTY`, uint8, shape (f, h, w)."""
-    U, mu, w = np.meshgrid(froude, heading, omega, indexing="ij")
-    omega_e = w - w**2 * U * np.cos(mu)
-    found = np.select([mu > np.radians(149.9), mu > np.radians(89.9)], [1, 2], 3)
-    found = np.where(2.0 * np.pi / w**2 < 0.4, 4, found)
-    narrow = np.abs(np.abs(omega_e) * U - 0.25) < 0.03
-    found = np.where(narrow | (np.abs(omega_e) < 0.3), 5, found)
-    return np.where(U == 0.0, 0, found).astype(np.uint8)
-
-
-def compare_with_snnm(table: WaveTable) -> dict[str, dict[str, list[float]]]:
-    """Surge of the boundary elements beside SNNM, in waves of 0.4 to 2 L.
-
-    Returns
-    -------
-    dict
-        ``rms``: rms difference over lambda / L by SNNM's peak; ``peak``, ``peak_snnm``: largest -CX;
-        ``at``, ``at_snnm``: lambda / L of it. Each {Froude number: one value per heading}.
-    """
-    from scipy.interpolate import CubicSpline
-
-    ratio = np.linspace(0.4, 2.0, 200)
-    omega = np.sqrt(2.0 * np.pi / ratio)
-    names = ("rms", "peak", "peak_snnm", "at", "at_snnm")
-    found: dict[str, dict[str, list[float]]] = {name: {} for name in names}
-    for i, speed in enumerate(table.froude):
-        bem, snnm = (
-            -CubicSpline(table.omega, values[i], axis=1)(omega)
-            for values in (table.CX_bem, table.CX_snnm)
-        )
-        rms = np.sqrt(np.mean((bem - snnm) ** 2, axis=1)) / np.abs(snnm).max(axis=1)
-        at = [ratio[c.argmax(axis=1)] for c in (bem, snnm)]
-        columns = (rms, bem.max(axis=1), snnm.max(axis=1), *at)
-        for name, column in zip(names, columns, strict=True):
-            found[name][f"{speed:.2f}"] = [round(float(x), 3) for x in column]
-    return found

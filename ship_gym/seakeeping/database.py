@@ -1,0 +1,400 @@
+"""Compute a ship's wave table: parallel over frequencies, resumed where it was broken off.
+
+Here the results of `radiation_diffraction`, `motions` and `drift` (z up, y to port, e^{-i omega t},
+L = g = rho = 1) are turned into the ship's axes and factors of ``wave_table``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import shutil
+import time
+from collections.abc import Callable, Iterable
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ship_gym.config import ConfigError
+from ship_gym.provenance import atomic_path, provenance
+from ship_gym.sea.wave_table import BOUNDS, UNCERTAINTY, WaveTable
+from ship_gym.seakeeping import calibration
+from ship_gym.seakeeping.drift import drift, encounter_frequency
+from ship_gym.seakeeping.hull_mesh import HullMesh, lid
+from ship_gym.seakeeping.motions import ROLL, Radiation, RigidBody, motions
+from ship_gym.seakeeping.radiation_diffraction import (
+    Flow,
+    HalfHull,
+    diffraction,
+    half_hull,
+    radiation,
+)
+from ship_gym.seakeeping.snnm import added_resistance, snnm_hull
+from ship_gym.seakeeping.table_checks import uncertainty
+from ship_gym.ships.particulars import Ship
+
+_VOLUME_TOLERANCE = 0.05
+_FLIP = np.array([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])  # half a turn about x
+
+
+@dataclasses.dataclass(frozen=True)
+class Grid:
+    """Where a table is computed.
+
+    Attributes
+    ----------
+    froude : tuple of float
+        Increasing, from 0.
+    headings : int
+        Points from 0 to 180 deg.
+    frequencies : int
+        Points of the true frequency between wavelengths of `longest` and `shortest` L.
+    encounter : int
+        Points of the encounter frequency for radiation, up to `encounter_max` sqrt(g/L); beyond it
+        the last one holds, where motions are negligible and panels too coarse.
+    """
+
+    froude: tuple[float, ...] = (0.0, 0.10, 0.15, 0.20, 0.26, 0.30)
+    headings: int = 13
+    frequencies: int = 40
+    longest: float = 3.3
+    shortest: float = 0.2
+    encounter: int = 77
+    encounter_max: float = 7.7
+
+    def __post_init__(self):
+        if self.froude[0] != 0.0 or (np.diff(self.froude) <= 0.0).any():
+            raise ConfigError(f"froude = {self.froude}: allowed is increasing from 0")
+        if min(self.headings, self.frequencies, self.encounter) < 2:
+            raise ConfigError("grid: allowed is at least 2 headings and 2 frequencies of each kind")
+
+    @property
+    def heading_points(self) -> np.ndarray:
+        """Headings mu [rad], shape (headings,)."""
+        return np.linspace(0.0, np.pi, self.headings)
+
+    @property
+    def omega_points(self) -> np.ndarray:
+        """True frequencies omega sqrt(L/g), shape (frequencies,)."""
+        low, high = np.sqrt(2.0 * np.pi / np.array([self.longest, self.shortest]))
+        return np.linspace(low, high, self.frequencies)
+
+    @property
+    def encounter_points(self) -> np.ndarray:
+        """Encounter frequencies by sqrt(g/L), shape (encounter,)."""
+        return np.linspace(self.encounter_max / self.encounter, self.encounter_max, self.encounter)
+
+
+QUICK = Grid((0.0, 0.15, 0.30), 7, 12, encounter=26)
+
+
+@dataclasses.dataclass(frozen=True)
+class Problem:
+    """One ship on one grid: what every part of the computation needs."""
+
+    hull: HalfHull
+    body: RigidBody
+    grid: Grid
+
+
+def head_weight(k0: float, heading: float) -> float:
+    """Share of the solution with diffraction at the encounter frequency, at speed."""
+    c = calibration
+    ratio = 2.0 * np.pi / k0
+    long = (ratio - c.LONG_WAVE_START) / (c.LONG_WAVE_END - c.LONG_WAVE_START)
+    head = 1.0 - (180.0 - np.degrees(heading)) / c.HEAD_SECTOR_DEG
+    return float(np.clip(long, 0.0, 1.0) * np.clip(head, 0.0, 1.0))
+
+
+def cell(
+    problem: Problem,
+    flow: Flow,
+    second: Callable[[], Flow],
+    waves: Radiation,
+    k0: float,
+    heading: float,
+    speed: float,
+) -> np.ndarray:
+    """One cell in Capytaine's axes: surge, sway, yaw drift, energy closure, six motions.
+
+    Parameters
+    ----------
+    problem : Problem
+    flow : Flow
+        Diffraction at the true wave number.
+    second : callable
+        Gives the diffraction at the encounter frequency; called only where it has a share.
+    waves : Radiation
+    k0, heading, speed : float
+        Wave number by 1/L, mu [rad], Froude number.
+
+    Returns
+    -------
+    numpy.ndarray
+        complex, shape (10,).
+    """
+    share = head_weight(k0, heading) if speed > 0.0 else 0.0
+    found = np.zeros(10, complex)
+    for weight, solution in ((1.0 - share, lambda: flow), (share, second)):
+        if weight > 0.0:
+            wave = k0, heading, speed
+            xi, moving = motions(problem.hull, problem.body, solution(), waves, *wave)
+            d = drift(problem.hull, moving, *wave)
+            closure = d.action / d.extinction - 1.0 if d.extinction != 0.0 else 0.0
+            found += weight * np.array([d.surge, d.sway, d.yaw, closure, *xi])
+    return found
+
+
+def frequency_row(problem: Problem, waves: Radiation, index: int) -> np.ndarray:
+    """All cells of one true frequency, complex, shape (froude, headings, 10), see `cell`."""
+    grid = problem.grid
+    k0 = float(grid.omega_points[index] ** 2)
+    flows = diffraction(problem.hull, k0, grid.heading_points)
+    rows = np.empty((len(grid.froude), grid.headings, 10), complex)
+    for i, speed in enumerate(grid.froude):
+        for j, heading in enumerate(grid.heading_points):
+            encounter_k = encounter_frequency(k0, heading, speed) ** 2
+
+            def second(heading=heading, encounter_k=encounter_k):
+                return diffraction(problem.hull, k0, np.array([heading]), encounter_k)[0]
+
+            rows[i, j] = cell(problem, flows[j], second, waves, k0, heading, speed)
+    return rows
+
+
+def compute(
+    problem: Problem,
+    work: Path,
+    jobs: int = 1,
+    progress: Callable[..., Iterable] = lambda items, description, total: items,
+) -> np.ndarray:
+    """All cells, parallel over frequencies; what is already in the folder is not done again.
+
+    Parameters
+    ----------
+    problem : Problem
+    work : Path
+        Folder of results per frequency. It must belong to this problem: see `work_name`.
+    jobs : int
+        Processes.
+    progress : callable
+        ``progress(iterable, description, total)`` gives the iterable back.
+
+    Returns
+    -------
+    numpy.ndarray
+        complex, shape (froude, headings, frequencies, 10), see `cell`.
+    """
+    grid = problem.grid
+    work.mkdir(parents=True, exist_ok=True)
+    tasks = [(radiation, problem.hull, w**2) for w in grid.encounter_points]
+    potentials = _each(tasks, work, "radiation", jobs, progress)
+    waves = Radiation(grid.encounter_points, np.array(potentials))
+    tasks = [(frequency_row, problem, waves, i) for i in range(grid.frequencies)]
+    return np.stack(_each(tasks, work, "waves", jobs, progress), axis=2)
+
+
+def _each(tasks: list[tuple], work: Path, name: str, jobs: int, progress) -> list[np.ndarray]:
+    """Results of the tasks (function, *arguments), each kept in a file of the folder."""
+    from joblib import Parallel, delayed, parallel_config
+
+    paths = [work / f"{name}_{i:03d}.npy" for i in range(len(tasks))]
+    missing = [i for i, path in enumerate(paths) if not path.is_file()]
+    # one thread each: the processes share the cores, not the matrices
+    with parallel_config("loky", inner_max_num_threads=1):
+        run = Parallel(n_jobs=jobs, return_as="generator_unordered")
+        done = run(delayed(_keep)(paths[i], *tasks[i]) for i in missing)
+        for _ in progress(done, name, len(missing)):
+            pass
+    return [np.load(path) for path in paths]
+
+
+def _keep(path: Path, function: Callable[..., np.ndarray], *arguments) -> None:
+    """Call and write the result, whole or not at all."""
+    result = function(*arguments)
+    with atomic_path(path) as temporary, temporary.open("wb") as file:
+        np.save(file, result)
+
+
+def coefficients(problem: Problem, cells: np.ndarray, beam: float) -> dict[str, np.ndarray]:
+    """Drift coefficients and motions of `compute` in ship axes, as in `WaveTable`.
+
+    Parameters
+    ----------
+    problem : Problem
+    cells : numpy.ndarray
+        Shape (f, h, w, 10).
+    beam : float
+        B / L.
+    """
+    surge, sway, yaw = np.moveaxis(cells[..., :3].real, -1, 0)
+    # sway and yaw change sign with the half turn about x; the force on the centreline is zero
+    CY, CN = -2.0 * sway, -2.0 * (yaw - problem.body.x_G * sway)
+    moved = (cells[..., 4:] * _FLIP).conj()
+    moved[..., ROLL:] /= (problem.grid.omega_points**2)[:, None]
+    for symmetric in (CY, CN, moved[..., 1], moved[..., 3], moved[..., 5]):
+        symmetric[:, [0, -1]] = 0.0  # exactly, where the sea is symmetric
+    return {
+        "CX_bem": (surge / beam**2).astype(np.float32),
+        "CY": CY.astype(np.float32),
+        "CN": CN.astype(np.float32),
+        "motions": moved.astype(np.complex64),
+    }
+
+
+def make_problem(ship: Ship, mesh: HullMesh, grid: Grid = Grid()) -> Problem:
+    """Hull by L and mass distribution of a ship.
+
+    Parameters
+    ----------
+    ship : Ship
+        With a section ``form`` (KG, GM, radii of gyration).
+    mesh : HullMesh
+        Starboard half in ship axes [m], with its waterline at z = 0.
+    grid : Grid
+
+    Raises
+    ------
+    ConfigError
+        No form, a mesh without symmetry, or a volume more than 5 % off the ship's.
+    """
+    form, h = ship.form, ship.hull
+    if form is None:
+        raise ConfigError(f"{ship.name}: no section [form], which motions in waves need")
+    hull = half_hull(mesh, lid(mesh), h.L)
+    volume = hull.volume * h.L**3
+    if abs(volume / h.volume - 1.0) > _VOLUME_TOLERANCE:
+        raise ConfigError(
+            f"{ship.name}: the mesh displaces {volume:.6g} m3, the ship {h.volume:.6g} m3: allowed "
+            f"is a difference of {100.0 * _VOLUME_TOLERANCE:g} %; check draught, scale and units"
+        )
+    body = RigidBody(
+        mass=hull.volume,
+        x_G=h.x_G / h.L,
+        z_G=(form.KG - h.d) / h.L,
+        k_xx=form.k_xx / h.L,
+        k_yy=form.k_yy / h.L,
+        k_zz=h.k_zz / h.L,
+        GM=form.GM / h.L,
+        Y_v=h.Y_v,
+        N_r=h.N_r,
+    )
+    return Problem(hull, body, grid)
+
+
+def work_name(problem: Problem) -> str:
+    """Name of the folder of intermediate results: another one if anything that matters changes."""
+    facts = {
+        "body": dataclasses.asdict(problem.body),
+        "grid": dataclasses.asdict(problem.grid),
+        "calibration": calibration.values(),
+        "capytaine": metadata.version("capytaine"),
+    }
+    key = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
+    key.update(problem.hull.panels.tobytes() + problem.hull.lid.tobytes())
+    return f"waves-{key.hexdigest()[:12]}"
+
+
+def build(
+    ship: Ship,
+    mesh: HullMesh,
+    path: Path,
+    grid: Grid = Grid(),
+    jobs: int = 1,
+    progress: Callable[..., Iterable] = lambda items, description, total: items,
+) -> WaveTable:
+    """Compute a ship's wave table and write it.
+
+    Results per frequency wait in a folder beside `path` (`work_name`), so that a build that was
+    broken off goes on; it is removed at the end.
+
+    Parameters
+    ----------
+    ship, mesh, grid
+        As in `make_problem`.
+    path : Path
+        File to write (.npz).
+    jobs : int
+        Processes; -1 for all cores.
+    progress : callable
+        ``progress(iterable, description, total)`` gives the iterable back.
+
+    Returns
+    -------
+    WaveTable
+
+    Raises
+    ------
+    ConfigError
+        As in `make_problem`, before any work starts.
+    """
+    started = time.monotonic()
+    problem = make_problem(ship, mesh, grid)
+    snnm = snnm_hull(ship)
+    work = path.parent / work_name(problem)
+    cells = compute(problem, work, jobs, progress)
+    axes = np.array(grid.froude), grid.heading_points, grid.omega_points
+    length = 2.0 * np.pi / grid.omega_points**2 * ship.hull.L
+    resistance = [added_resistance(snnm, U, length, axes[1][:, None]) for U in grid.froude]
+    values = coefficients(problem, cells, ship.hull.B / ship.hull.L)
+    card = {
+        "ship": ship.name,
+        "title": ship.title,
+        "made_for": {"L": ship.hull.L, "B": ship.hull.B, "d": ship.hull.d, "k": "by L"},
+        "mesh": list(mesh.report),
+        "panels": 2 * len(problem.hull.panels),
+        "lid_panels": 2 * len(problem.hull.lid),
+        "body": dataclasses.asdict(problem.body),
+        "grid": dataclasses.asdict(grid) | {"froude": list(grid.froude)},
+        "calibration": calibration.values(),
+        "uncertainty": {str(key): text for key, text in UNCERTAINTY.items()},
+        "minutes": round((time.monotonic() - started) / 60.0, 2),
+        "capytaine": metadata.version("capytaine"),
+        **provenance(),
+    }
+    table = WaveTable(
+        *axes,
+        CX_snnm=-np.array(resistance, np.float32),
+        uncertainty=uncertainty(*axes),
+        card=card,
+        **values,
+    )
+    table.card["checks"] = checks(table, cells)
+    table.save(path)
+    shutil.rmtree(work)
+    return table
+
+
+def checks(table: WaveTable, cells: np.ndarray) -> dict[str, Any]:
+    """What a table must satisfy, measured.
+
+    Parameters
+    ----------
+    table : WaveTable
+    cells : numpy.ndarray
+        As of `compute`; the fourth column holds the energy closure.
+
+    Returns
+    -------
+    dict
+        ``energy``: far-field action by that of the optical theorem, less 1, largest in head seas at
+        rest for 0.4 to 1 L. ``fore_aft``: |CX(180) + CX(0)| by |CX(180)| there for 0.9 to 1.5 L.
+        ``largest``: largest |CX|, |CY|, |CN|; ``within_bounds``: those are below 12, 1.5, 0.2.
+    """
+    ratio = 2.0 * np.pi / table.omega**2
+    head, following = table.CX_bem[0, -1], table.CX_bem[0, 0]
+    resolved = (ratio >= 0.4) & (ratio <= 1.0)
+    middle = (ratio >= 0.9) & (ratio <= 1.5)
+    largest = {
+        name: float(np.abs(values).max())
+        for name, values in (("CX", table.CX_bem), ("CY", table.CY), ("CN", table.CN))
+    }
+    return {
+        "energy": float(np.max(np.abs(cells[0, -1, resolved, 3].real), initial=0.0)),
+        "fore_aft": float(np.max(np.abs((head + following)[middle] / head[middle]), initial=0.0)),
+        "largest": largest,
+        "within_bounds": all(largest[name] <= limit for name, limit in BOUNDS.items()),
+    }
