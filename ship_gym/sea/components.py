@@ -12,9 +12,11 @@ second minute to the tenth hour (60 frequencies drawn by chance: 0.31 to 0.40 in
 100 waves below 0.36. With a regular spacing it returns to 1 after 2 pi / d_omega.
 
 Short-crested: every wave has one frequency and one direction, so no two waves of one frequency from
-two directions make a standing pattern (Jefferys 1987, Appl. Ocean Res. 9). The directions
-are the middles of N strips of equal area under the spreading function, dealt to the frequencies in
-the order of multiples of the golden ratio, so that each part of the spectrum sees all directions.
+two directions make a standing pattern (Jefferys 1987, Appl. Ocean Res. 9, 235-237). The directions
+are the middles of N strips of equal area under the spreading function, neighbours sharing one of
+N_DIRECTIONS, because a kernel looks the ship's response up once for each. They are dealt to the
+frequencies in the order of multiples of the golden ratio, so that each part of the spectrum sees
+all directions.
 
 Nothing here is random: the phases eps_n are drawn at reset.
 """
@@ -32,6 +34,7 @@ from ship_gym.sea.spectra import WaveSystem, spreading
 
 _RANGE = (0.3, 12.0)  # of omega / omega_p; above lie 0.1 % of the first moment, 1 % of the second
 _STEEPEST = 0.142  # height / length of the steepest regular wave in deep water, Michell (1893)
+N_DIRECTIONS = 16
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -171,6 +174,11 @@ def direction_offsets(s: float, count: int) -> np.ndarray:
     theta = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 4001)
     D = spreading(theta, s)
     area = np.append(0.0, np.cumsum(0.5 * (D[1:] + D[:-1]) * np.diff(theta)))
-    middles = (np.arange(count) + 0.5) / count * area[-1]
+    middles = np.interp((np.arange(count) + 0.5) / count * area[-1], area, theta)
+    # neighbours share their mean direction; port mirrors starboard
+    groups, half = min(count, N_DIRECTIONS), count // 2
+    group = ((np.arange(count) + 0.5) * groups / count).astype(int)
+    group[count - half :] = groups - 1 - group[:half][::-1]
+    shared = np.bincount(group, middles) / np.bincount(group)
     order = np.argsort(np.argsort(np.arange(1, count + 1) * _GOLDEN % 1.0))
-    return np.interp(middles, area, theta)[order]
+    return shared[group][order]
