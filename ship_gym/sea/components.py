@@ -34,7 +34,7 @@ from ship_gym.sea.spectra import WaveSystem, spreading
 
 _RANGE = (0.3, 12.0)  # of omega / omega_p; above lie 0.1 % of the first moment, 1 % of the second
 _STEEPEST = 0.142  # height / length of the steepest regular wave in deep water, Michell (1893)
-N_DIRECTIONS = 16
+N_DIRECTIONS = 12
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -175,10 +175,12 @@ def direction_offsets(s: float, count: int) -> np.ndarray:
     D = spreading(theta, s)
     area = np.append(0.0, np.cumsum(0.5 * (D[1:] + D[:-1]) * np.diff(theta)))
     middles = np.interp((np.arange(count) + 0.5) / count * area[-1], area, theta)
-    # neighbours share their mean direction; port mirrors starboard
+    # neighbours share a direction; port mirrors starboard
     groups, half = min(count, N_DIRECTIONS), count // 2
     group = ((np.arange(count) + 0.5) * groups / count).astype(int)
     group[count - half :] = groups - 1 - group[:half][::-1]
-    shared = np.bincount(group, middles) / np.bincount(group)
+    size = np.bincount(group)
+    aside = np.sqrt(np.bincount(group, np.sin(middles) ** 2) / size)  # keeps their mean square
+    shared = np.sign(np.round(np.bincount(group, middles) / size, 9)) * np.arcsin(aside)
     order = np.argsort(np.argsort(np.arange(1, count + 1) * _GOLDEN % 1.0))
     return shared[group][order]
