@@ -68,6 +68,7 @@ class ShipEnv(gym.Env):
     propeller and rudder trained on CFD. The episode starts on a straight course with a heading
     error to remove; then a uniform current and a random low-frequency sway force and yaw moment
     push the ship off, and the autopilot holds the ordered heading with as little rudder as it can.
+    With `scenario="heading_seaway"` irregular waves and gusting wind do that instead.
     The command passes a rate-limited steering gear and, with rpm control, an engine with lag.
 
     ## Action Space
@@ -94,6 +95,9 @@ class ShipEnv(gym.Env):
     | 6 | n / n_max | - | 0 | 1 | propeller speed achieved |
     | 7 | delta_c / delta_max | - | -1 | 1 | last rudder command |
     | 8 | n_c / n_max | - | 0 | 1 | last propeller speed command |
+
+    In waves, heading error, yaw rate and sway velocity are measured with the wave-frequency motion
+    on top of the slow motion that rewards and episode ends look at.
 
     ## Rewards
     Per control interval, each term times the interval in full-scale seconds; weights are keys of

@@ -56,19 +56,19 @@ def relative_heading(psi, direction):
 
 
 @kernel
-def wave_phase(wave, time, place):
-    """Cos and sin of theta = omega t - k . place + phase, times the amplitude [m]."""
-    along = wave[K_NORTH] * place[0] + wave[K_EAST] * place[1]
-    c, s = cos_sin_of_turns((wave[OMEGA] * time - along) / _TURN + wave[PHASE])
-    return wave[AMPLITUDE] * c, wave[AMPLITUDE] * s
+def wave_phase(waves, k, time, place):
+    """cos and sin of theta = omega t - k . place + phase of wave k, times the amplitude [m]."""
+    along = waves[k, K_NORTH] * place[0] + waves[k, K_EAST] * place[1]
+    c, s = cos_sin_of_turns((waves[k, OMEGA] * time - along) / _TURN + waves[k, PHASE])
+    return waves[k, AMPLITUDE] * c, waves[k, AMPLITUDE] * s
 
 
 @kernel
-def mixed(rows, weights, channel):
-    """A channel of the response between four corners of the table (speed by heading)."""
-    A, B, C, D = rows
-    a, b, c, d = weights
-    return a * A[channel] + b * B[channel] + c * C[channel] + d * D[channel]
+def mixed(response, at, k, channel):
+    """A channel of wave k's response between four corners of the table (speed by heading)."""
+    i, j, a, b, c, d = at
+    low = a * response[i, j, k, channel] + b * response[i, j + 1, k, channel]
+    return low + c * response[i + 1, j, k, channel] + d * response[i + 1, j + 1, k, channel]
 
 
 @kernel
@@ -137,17 +137,15 @@ def wave_loads(time, body, waves, groups, response, grid, mean_only):
     for g in range(len(groups) - 1):
         mu, side = relative_heading(psi, waves[groups[g], DIRECTION])
         j, q = cell(mu, 0.0, math.pi / (headings - 1), headings)
-        weights = ((1.0 - w) * (1.0 - q), (1.0 - w) * q, w * (1.0 - q), w * q)
-        A, B, C, D = response[i, j], response[i, j + 1], response[i + 1, j], response[i + 1, j + 1]
+        p = 1.0 - w
+        at = (i, j, p * (1.0 - q), p * q, w * (1.0 - q), w * q)
         for k in range(groups[g], groups[g + 1]):
-            wave = waves[k]
-            c, s = wave_phase(wave, time, (x, y))
-            rows = (A[k], B[k], C[k], D[k])
-            TX = mixed(rows, weights, 0)
-            TY = side * mixed(rows, weights, 1)
-            TN = side * mixed(rows, weights, 2)
+            c, s = wave_phase(waves, k, time, (x, y))
+            TX = mixed(response, at, k, 0)
+            TY = side * mixed(response, at, k, 1)
+            TN = side * mixed(response, at, k, 2)
             if mean_only:
-                a2 = wave[AMPLITUDE] * wave[AMPLITUDE]
+                a2 = waves[k, AMPLITUDE] * waves[k, AMPLITUDE]
                 PX, PY, PN = PX + a2 * TX, PY + a2 * TY, PN + a2 * TN
             else:
                 PX, PX_ = PX + TX * c, PX_ + TX * s
@@ -155,12 +153,12 @@ def wave_loads(time, body, waves, groups, response, grid, mean_only):
                 PN, PN_ = PN + TN * c, PN_ + TN * s
                 Q, Q_ = Q + c, Q_ + s
             c, s = side * c, side * s
-            omega_e = wave[OMEGA] - wave[K_NORTH] * north - wave[K_EAST] * east
-            re, im = mixed(rows, weights, 3), mixed(rows, weights, 4)
+            omega_e = waves[k, OMEGA] - waves[k, K_NORTH] * north - waves[k, K_EAST] * east
+            re, im = mixed(response, at, k, 3), mixed(response, at, k, 4)
             sway += re * c - im * s
             sway_rate -= omega_e * (re * s + im * c)
-            roll += mixed(rows, weights, 5) * c - mixed(rows, weights, 6) * s
-            re, im = mixed(rows, weights, 7), mixed(rows, weights, 8)
+            roll += mixed(response, at, k, 5) * c - mixed(response, at, k, 6) * s
+            re, im = mixed(response, at, k, 7), mixed(response, at, k, 8)
             yaw += re * c - im * s
             yaw_rate -= omega_e * (re * s + im * c)
     if not mean_only:

@@ -7,7 +7,7 @@ import math
 
 from ship_gym.config import ConfigError, check_known, check_number
 from ship_gym.manoeuvres import TurningCircle, ZigZag, turning_circle, zigzag
-from ship_gym.sea.state import load_sea
+from ship_gym.sea.state import CALM, RegularWave, Sea, load_sea, regular_sea
 from ship_gym.ships.particulars import Ship, Trial
 from ship_gym.simulation import self_propulsion
 
@@ -30,9 +30,13 @@ class Case:
     speed, n : float
         Approach speed [m/s] and propeller speed [rev/s].
     sea : str
-        Name of the sea.
+        What the sea is: its name, and the regular wave or direction that was asked for.
     trial : Trial or None
         Measured manoeuvre with the same rudder, heading and speed.
+    water : Sea
+        The sea at the ship's scale.
+    calm : TurningCircle, ZigZag or None
+        The same manoeuvre in calm water, where the sea has waves.
     """
 
     ship: Ship
@@ -44,6 +48,8 @@ class Case:
     sea: str
     result: TurningCircle | ZigZag
     trial: Trial | None
+    water: Sea = CALM
+    calm: TurningCircle | ZigZag | None = None
 
 
 def sail(
@@ -55,8 +61,11 @@ def sail(
     speed: float | None = None,
     n: float | None = None,
     sea: str = "calm",
+    wave_height: float | None = None,
+    wavelength: float | None = None,
+    wave_from_deg: float | None = None,
 ) -> Case:
-    """Sail a manoeuvre given in degrees, beside the trial it belongs to.
+    """Sail a manoeuvre given in degrees, beside its trial, or beside calm water if in waves.
 
     Parameters
     ----------
@@ -72,24 +81,76 @@ def sail(
         Propeller speed [rev/s]; that of the matching trial, else self-propulsion, if omitted.
     sea : str
         Named sea, Froude-scaled to the ship.
+    wave_height, wavelength : float, optional
+        A regular wave on top of a sea without waves: its height, twice the amplitude, at the
+        ship's own scale [m], and its length [L]. Both or none.
+    wave_from_deg : float, optional
+        Where the waves of the sea come from, and with them its wind, from north [deg]; for a
+        regular wave 0, a head sea at first, if omitted.
 
     Raises
     ------
     ConfigError
-        Unknown manoeuvre or sea, or a value out of range.
+        Unknown manoeuvre or sea, a value out of range, or half a wave.
     """
     kind = MANOEUVRES[check_known("manoeuvre", manoeuvre, MANOEUVRES)]
     delta, psi = _angles(ship, kind, delta_deg, psi_deg)
     speed = check_number("speed", ship.speed if speed is None else speed, 1e-6, 100.0, "m/s")
-    trial = _matching_trial(ship, kind, delta, psi, speed, n) if sea == "calm" else None
+    water, label = sea_of(ship, sea, wave_height, wavelength, wave_from_deg)
+    trial = _matching_trial(ship, kind, delta, psi, speed, n) if water == CALM else None
     if n is None:
         n = self_propulsion(ship, speed) if trial is None or trial.n is None else trial.n
-    water = load_sea(sea).scaled(ship.scale)
-    if kind == "turning_circle":
-        result = turning_circle(ship, delta, speed, n, water)
-    else:
-        result = zigzag(ship, delta, psi, speed, n, water)
-    return Case(ship, kind, delta, psi, speed, n, sea, result, trial)
+
+    def sailed(around: Sea) -> TurningCircle | ZigZag:
+        if kind == "turning_circle":
+            return turning_circle(ship, delta, speed, n, around)
+        return zigzag(ship, delta, psi, speed, n, around)
+
+    result, calm = sailed(water), sailed(CALM) if has_waves(water) else None
+    return Case(ship, kind, delta, psi, speed, n, label, result, trial, water, calm)
+
+
+def has_waves(sea: Sea) -> bool:
+    """Whether a sea has waves."""
+    return sea.regular is not None or bool(sea.waves)
+
+
+def sea_of(
+    ship: Ship,
+    name: str,
+    wave_height: float | None = None,
+    wavelength: float | None = None,
+    wave_from_deg: float | None = None,
+) -> tuple[Sea, str]:
+    """Sea at the scale of a ship, and what it is in words; arguments as in `sail`."""
+    sea, label = load_sea(name).scaled(ship.scale), name
+    if (wave_height is None) != (wavelength is None):
+        missing = "wave_height" if wave_height is None else "wavelength"
+        raise ConfigError(f"{missing}: a regular wave needs its height [m] and its length [L]")
+    if wave_from_deg is not None:
+        check_number("wave_from", wave_from_deg, -360.0, 360.0, "deg")
+    if wave_height is not None:
+        if has_waves(sea):
+            raise ConfigError(f"wave_height: sea {name!r} has waves already; leave one of them out")
+        wave = _regular_wave(ship, wave_height, wavelength)
+        wave_from_deg = wave_from_deg or 0.0
+        label = "" if name == "calm" else f"{name}, "
+        label += f"regular waves {wave_height:.4g} m high and {wavelength:.4g} L long"
+        sea = dataclasses.replace(sea, regular=wave)
+    if wave_from_deg is None:
+        return sea, label
+    if not has_waves(sea):
+        raise ConfigError(f"wave_from: sea {name!r} has no waves; give wave_height and wavelength")
+    come = math.radians(wave_from_deg) % (2.0 * math.pi)
+    go = (come + math.pi) % (2.0 * math.pi)
+    sea = dataclasses.replace(sea, wave_direction_to=go, wind_direction_from=come)
+    return sea, f"{label} from {wave_from_deg:.4g} deg"
+
+
+def _regular_wave(ship: Ship, height: float, wavelength: float) -> RegularWave:
+    check_number("wave_height", height, 1e-6, 40.0, "m")
+    check_number("wavelength", wavelength, 0.05, 20.0, "L")
+    return regular_sea(0.5 * height, wavelength=wavelength * ship.hull.L).regular
 
 
 def sail_trial(ship: Ship, trial: Trial) -> Case:

@@ -9,11 +9,13 @@ from typing import Any
 from ship_gym.config import check_known
 from ship_gym.manoeuvres import imo_limits
 from ship_gym.reports.balance import steady_balance
-from ship_gym.reports.case import Case
+from ship_gym.reports.case import Case, has_waves
 from ship_gym.reports.text import paragraph, percent, table
+from ship_gym.sea.wave_response import energy_outside
 from ship_gym.ships.particulars import Ship
 
 CONDITION = "; "  # between manoeuvre and condition in a title
+_NOTED = 0.01  # share of the waves' energy outside the wave table from which it is said
 _KILO = 1e4  # N or N m from which kN or kN m are shown
 _DEG = 180.0 / math.pi
 
@@ -41,6 +43,7 @@ _QUANTITIES: dict[str, tuple[str, str, float, int]] = {
     "initial_turning": ("way to first reversal", "L", 1.0, 2),
     "period": ("period", "s", 1.0, 1),
 }
+_RESISTING = ("hull", "rudder", "wave")
 _ONLY_IN_A_SEA = ("drift_distance", "drift_direction")
 # rudder/heading [deg] of a zig-zag -> limit of `imo_limits` -> measure
 _IMO_ZIGZAG = {
@@ -55,12 +58,13 @@ _IMO_ZIGZAG = {
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """One measure in the unit of display; `limit` is IMO's, if there is one."""
+    """One measure in the unit of display; `limit` is IMO's, `calm` that without the waves."""
 
     name: str
     computed: float
     measured: float | None = None
     limit: float | None = None
+    calm: float | None = None
 
     @property
     def difference(self) -> float | None:
@@ -76,6 +80,7 @@ class Row:
 def rows(case: Case) -> list[Row]:
     """Measures of a case in units of display, with what was measured and what IMO allows."""
     measured, limits = _measured(case), _limits(case)
+    calm = _flat(case.calm.measures()) if case.calm else {}
     found = []
     for name, value in _flat(case.result.measures()).items():
         if name not in _QUANTITIES or (name in _ONLY_IN_A_SEA and case.sea == "calm"):
@@ -83,8 +88,35 @@ def rows(case: Case) -> list[Row]:
         factor = _QUANTITIES[name][2]
         limit = limits.get(name)
         limit = None if limit is None else limit * factor
-        found.append(Row(name, value * factor, measured.get(name), limit))
+        still = calm.get(name)
+        still = None if still is None else still * factor
+        found.append(Row(name, value * factor, measured.get(name), limit, still))
     return found
+
+
+def wave_share(case: Case) -> dict[str, float]:
+    """Share of the wave drift in the resistance of hull, rudder and waves of a turning circle.
+
+    Returns
+    -------
+    dict
+        ``first``: at rudder execution, of a regular wave only, since the drift of an irregular sea
+        at one instant says little; ``to_90_deg``: of the mean forces up to 90 deg of heading. Empty
+        for another manoeuvre or without waves.
+    """
+    if case.calm is None or case.manoeuvre != "turning_circle":
+        return {}
+    t = case.result.trajectory
+    turning = abs(t["psi"]) <= 0.5 * math.pi
+    found = {}
+    if case.water.regular is not None:
+        found["first"] = _share({k: float(t[f"X_{k}"][0]) for k in _RESISTING})
+    means = {k: float(t[f"X_{k}"][turning].mean()) for k in _RESISTING}
+    return found | {"to_90_deg": _share(means)}
+
+
+def _share(surge: dict[str, float]) -> float:
+    return surge["wave"] / sum(surge.values())
 
 
 def _flat(measures: dict[str, Any]) -> dict[str, float]:
@@ -152,6 +184,8 @@ def as_dict(case: Case) -> dict[str, Any]:
         "measured": {r.name: r.measured for r in found if r.measured is not None},
         "difference_percent": {r.name: r.difference for r in found if r.measured is not None},
         "imo": {r.name: {"limit": r.limit, "pass": r.passes} for r in found if r.limit is not None},
+        "calm": {r.name: r.calm for r in found if r.calm is not None},
+        "wave_share": wave_share(case),
         "trial_source": case.trial.source if case.trial else None,
         "estimated": case.ship.estimated,
     }
@@ -162,9 +196,11 @@ def as_text(case: Case) -> str:
     found = rows(case)
     lines = [title(case)]
     lines.append(f"hull set {case.ship.variant}, surrogate {case.ship.surrogate_name}")
-    lines += ["", _measure_table(found)]
+    lines += ["", _wave_table(found) if case.calm else _measure_table(found)]
     if case.trial:
         lines.append(paragraph(f"measured: {case.trial.source}"))
+    if has_waves(case.water):
+        lines += ["", _wave_text(case)]
     lines += ["", _imo_table(found)]
     if case.manoeuvre == "turning_circle" and case.sea == "calm":
         lines += ["", "force balance of the steady turn", _balance_table(case)]
@@ -177,6 +213,31 @@ def _measure_table(found: list[Row]) -> str:
         unit, computed, measured = _shown(row, row.measured)
         cells.append([_QUANTITIES[row.name][0], unit, computed, measured, percent(row.difference)])
     return table(["measure", "unit", "computed", "measured", "difference"], cells, left=2)
+
+
+def _wave_table(found: list[Row]) -> str:
+    """Measures in waves beside those in calm water."""
+    cells = []
+    for row in found:
+        unit, computed, calm = _shown(row, row.calm)
+        cells.append([_QUANTITIES[row.name][0], unit, computed, calm])
+    return table(["measure", "unit", "in waves", "calm water"], cells, left=2)
+
+
+def _wave_text(case: Case) -> str:
+    """How large the wave drift is, and what of the waves the ship's table does not hold."""
+    share = wave_share(case)
+    lines = []
+    if "first" in share:
+        lines.append(f"wave drift is {share['first']:.0%} of the resistance at first")
+    if share:
+        lines.append(
+            f"wave drift is {share['to_90_deg']:.0%} of the resistance up to 90 deg of heading"
+        )
+    outside = energy_outside(case.ship, case.water.components())
+    if outside > _NOTED:
+        lines.append(f"{outside:.0%} of the waves' energy is outside the ship's wave table")
+    return "\n".join(lines) or "drift and wave-frequency motion are in the recording (--csv, --rrd)"
 
 
 def _imo_table(found: list[Row]) -> str:

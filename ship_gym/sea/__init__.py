@@ -1,5 +1,23 @@
-"""The sea: current and disturbance now; waves and wind have their room here."""
+"""The sea: current, waves, wind and a low-frequency disturbance."""
 
-from ship_gym.sea.state import CALM, Sea, available_seas, load_sea
+from ship_gym.sea.spectra import WaveSystem
+from ship_gym.sea.state import (
+    CALM,
+    RegularWave,
+    Sea,
+    available_seas,
+    irregular_sea,
+    load_sea,
+    regular_sea,
+)
 
-__all__ = ["CALM", "Sea", "available_seas", "load_sea"]
+__all__ = [
+    "CALM",
+    "RegularWave",
+    "Sea",
+    "WaveSystem",
+    "available_seas",
+    "irregular_sea",
+    "load_sea",
+    "regular_sea",
+]

@@ -71,6 +71,15 @@ class Grid:
         if min(self.headings, self.frequencies, self.encounter) < 2:
             raise ConfigError("grid: allowed is at least 2 headings and 2 frequencies of each kind")
 
+    def up_to(self, froude: float) -> Grid:
+        """The same grid with speeds that end at the first one at or above a Froude number.
+
+        A ship that never sails faster is spared cells far beyond its speed, in which the theory is
+        worst. At least one speed above rest remains; a larger number than the last changes nothing.
+        """
+        last = int(np.searchsorted(self.froude, froude - 1e-9)) + 1
+        return dataclasses.replace(self, froude=self.froude[: max(last, 2)])
+
     @property
     def heading_points(self) -> np.ndarray:
         """Headings mu [rad], shape (headings,)."""

@@ -1,0 +1,107 @@
+"""The wave tables of the shipped ships: limits, bounds, and how a ship finds its own."""
+
+import dataclasses
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ship_gym.config import ConfigError
+from ship_gym.sea.state import regular_sea
+from ship_gym.sea.wave_response import SPEED_STEP, wave_response, wave_table_of
+from ship_gym.sea.wave_table import BOUNDS, MODES, UNCERTAINTY, WaveTable
+from ship_gym.ships import available_ships, load_ship
+from ship_gym.simulation import ShipSim
+
+SHIPS = [name for name in available_ships() if load_ship(name).wave_table]
+BASES = sorted({load_ship(name).wave_table for name in SHIPS})
+
+
+@pytest.fixture(scope="module", params=BASES, ids=lambda path: Path(path).parent.name)
+def table(request):
+    return WaveTable.load(request.param)
+
+
+def test_every_ship_has_a_table():
+    assert SHIPS == available_ships()
+
+
+def test_tables_are_small_finite_and_bounded(table):
+    for name, values in (("CX", table.surge()), ("CX", table.CX_bem), ("CY", table.CY)):
+        assert np.isfinite(values).all() and np.abs(values).max() <= BOUNDS[name], name
+    assert np.abs(table.CN).max() <= BOUNDS["CN"] and np.isfinite(table.motions).all()
+    assert set(np.unique(table.uncertainty)) <= set(UNCERTAINTY)
+
+
+@pytest.mark.parametrize("path", BASES, ids=lambda path: Path(path).parent.name)
+def test_a_table_is_below_a_megabyte_and_says_where_it_comes_from(path):
+    assert Path(path).stat().st_size < 1e6
+    card = WaveTable.load(path).card
+    assert not card["git_commit"].endswith("dirty") and card["checks"]["within_bounds"]
+
+
+def test_in_long_waves_the_ship_moves_with_the_water(table):
+    """Particle motion at the surface: surge -i cos(mu), sway i sin(mu), heave -1 (down), yaw
+    sin(mu) cos(mu) by k A, for e^(i theta) with the crest at theta = 0; at rest, waves of 3.3 L.
+
+    This fixes every sign and phase between the boundary elements' axes and the ship's.
+    """
+    mu, motions = table.heading, table.motions[0, :, 0]
+    expected = {
+        "surge": -1j * np.cos(mu),
+        "sway": 1j * np.sin(mu),
+        "heave": -np.ones_like(mu),
+        "yaw": np.sin(mu) * np.cos(mu),
+    }
+    for mode, limit in expected.items():
+        gap = np.abs(motions[:, MODES.index(mode)] - limit).max()
+        assert gap < 0.2, mode  # 3.3 L is not infinity: 0.05 to 0.15
+
+
+def test_drift_pushes_along_with_the_waves_and_turns_the_ship_beam_on(table):
+    """At rest in waves of 0.8 L: from starboard to port; the moment from bow and quarter."""
+    k = int(np.abs(table.omega - math.sqrt(2.0 * math.pi / 0.8)).argmin())
+    sector = (table.heading > 0.3) & (table.heading < math.pi - 0.3)
+    assert (table.CY[0, sector, k] < 0.0).all()
+    assert table.CX_bem[0, 0, k] > 0.0 > table.CX_bem[0, -1, k]
+    # starboard bow (mu 150 deg): the bow is pushed to port, the ship turns beam-on
+    assert table.CN[0, -3, k] < 0.0 < table.CN[0, 2, k]
+
+
+def test_response_is_the_table_at_its_own_points():
+    ship = load_ship("kcs_model")
+    table, h = wave_table_of(ship), ship.hull
+    k = 17
+    omega = np.array([table.omega[k] * math.sqrt(9.80665 / h.L)])
+    response = wave_response(ship, omega, "bem")
+    i = round(0.10 / SPEED_STEP)
+    X, Y, N = response[i, 9, 0, :3]
+    force = ship.rho * 9.80665
+    assert X == pytest.approx(force * h.B**2 / h.L * table.CX_bem[1, 9, k], rel=1e-6)
+    assert Y == pytest.approx(0.5 * force * h.L * table.CY[1, 9, k], rel=1e-6)
+    N_G = 0.5 * force * h.L**2 * table.CN[1, 9, k]
+    assert N == pytest.approx(N_G + h.x_G * Y, rel=1e-6)
+    yaw = table.motions[1, 9, k, 5] * omega[0] ** 2 / 9.80665
+    assert response[i, 9, 0, 7] + 1j * response[i, 9, 0, 8] == pytest.approx(yaw, rel=1e-6)
+
+
+def test_model_and_full_scale_drift_alike():
+    """Froude: the same turn in the same waves, lengths by L and time by sqrt(L)."""
+    tracks = []
+    for ship in (load_ship("kcs_model"), load_ship("kcs")):
+        ship = dataclasses.replace(ship, hull=dataclasses.replace(ship.hull, R_0=0.0183))
+        sea = regular_sea(0.008 * ship.hull.L, wavelength=ship.hull.L, direction_from=1.0)
+        sim = ShipSim(ship, 1, sea)
+        unit = math.sqrt(ship.hull.L / 230.0)
+        sim.reset(0, n=1.3 / unit)
+        for _ in range(200):
+            sim.step(np.array([[0.1, 1.3 / unit]]), 1.0 * unit)
+        tracks.append(np.array([*(sim.state[0, 3:5] / ship.hull.L), sim.state[0, 5]]))
+    np.testing.assert_allclose(tracks[0], tracks[1], rtol=2e-3)
+
+
+def test_a_ship_without_a_table_says_how_to_make_one():
+    ship = dataclasses.replace(load_ship("kcs"), wave_table="")
+    with pytest.raises(ConfigError, match="build_wave_table.py --ship kcs"):
+        ShipSim(ship, 1, regular_sea(1.0, wavelength=200.0))
