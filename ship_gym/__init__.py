@@ -27,6 +27,7 @@ _PUBLIC = {
     "load_scenario": "ship_gym.scenarios.scenario",
     "load_sea": "ship_gym.sea.state",
     "load_ship": "ship_gym.ships.loader",
+    "load_wave_table": "ship_gym.sea.wave_response",
     "scaled": "ship_gym.ships.scaling",
 }
 

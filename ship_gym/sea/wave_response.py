@@ -11,6 +11,7 @@ from ship_gym.config import ConfigError
 from ship_gym.conventions import G
 from ship_gym.sea.components import WaveComponents
 from ship_gym.sea.wave_table import MODES, WaveTable
+from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 
 N_WAVE = 6  # columns of one wave, see ``physics.waves``
@@ -32,6 +33,11 @@ def wave_table_of(ship: Ship) -> WaveTable:
             f"--ship {ship.name}"
         )
     return _table(ship.wave_table)
+
+
+def load_wave_table(ship: str) -> WaveTable:
+    """Wave table of a ship by name or ship file, e.g. ``load_wave_table("kcs").drift(...)``."""
+    return wave_table_of(load_ship(ship))
 
 
 def energy_outside(ship: Ship, waves: WaveComponents) -> float:

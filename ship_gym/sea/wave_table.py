@@ -28,6 +28,7 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError, check_known
+from ship_gym.conventions import wrap_angle
 from ship_gym.provenance import atomic_path
 
 MODES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
@@ -97,6 +98,40 @@ class WaveTable:
         if weight is None:
             weight = snnm_weight(self.froude, self.heading, self.omega)
         return ((1.0 - weight) * self.CX_bem + weight * self.CX_snnm).astype(np.float32)
+
+    def drift(self, froude, heading, omega, model: str = "blend") -> np.ndarray:
+        """CX, CY, CN by linear interpolation, clamped to the table.
+
+        Parameters
+        ----------
+        froude, heading, omega : array_like
+            Froude number, mu [rad] of any size and sign, omega sqrt(L/g); broadcast.
+        model : str
+            As in `surge`.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (*broadcast shape, 3).
+        """
+        values = np.stack([self.surge(model), self.CY, self.CN], axis=-1)
+        return self._at(values, froude, heading, omega, odd=(1, 2))
+
+    def rao(self, froude, heading, omega) -> np.ndarray:
+        """Complex motions in the order of `MODES`, as `drift`; shape (*broadcast shape, 6)."""
+        return self._at(self.motions, froude, heading, omega, odd=(1, 3, 5))
+
+    def _at(self, values, froude, heading, omega, odd: tuple[int, ...]) -> np.ndarray:
+        from scipy.interpolate import RegularGridInterpolator
+
+        mu = wrap_angle(np.asarray(heading, dtype=float))
+        axes = (self.froude, self.heading, self.omega)
+        given = np.broadcast_arrays(froude, np.abs(mu), omega)
+        points = [np.clip(x, axis[0], axis[-1]) for x, axis in zip(given, axes, strict=True)]
+        found = RegularGridInterpolator(axes, values)(np.stack(points, axis=-1))
+        side = np.where(np.broadcast_to(mu, given[0].shape) >= 0.0, 1.0, -1.0)
+        found[..., list(odd)] *= side[..., None]
+        return found
 
     def save(self, path: str | Path) -> None:
         """Write one .npz file, atomically; same table, same bytes."""

@@ -130,6 +130,14 @@ for name in available_ships():
         a = rng.uniform(0, 1, (2, 2)) * [ship.gear.delta_max, ship.engine.n_max]
         sim.step(a * [[1, 1], [-1, 1]], 1.0 / ship.time_unit)
     print(name, sim.state.tobytes().hex(), sim.forces.tobytes().hex())
+from ship_gym.sea import WaveSystem
+waves = (WaveSystem("jonswap", 3.0, 9.0, spreading=1.0),)
+sea = Sea(0.5, 1.0, waves=waves, wave_count=20, wind_speed=12.0, gusts=True, current_variation=0.3)
+sim = ShipSim(load_ship("kcs"), 2, sea, parallel=False)
+sim.reset(3)
+for k in range(25):
+    sim.step([[0.3, 1.5], [-0.2, 1.5]], 1.0)
+print("waves", sim.state.tobytes().hex(), sim.forces.tobytes().hex(), sim.waves.tobytes().hex())
 """
 
 
@@ -142,7 +150,7 @@ def test_compiled_is_the_same_bits_as_python():
         return done.stdout
 
     compiled = run()
-    assert len(compiled.split("\n")) == len(available_ships()) + 1
+    assert len(compiled.split("\n")) == len(available_ships()) + 2
     assert compiled == run(NUMBA_DISABLE_JIT="1")
 
 

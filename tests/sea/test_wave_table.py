@@ -9,7 +9,12 @@ import pytest
 
 from ship_gym.config import ConfigError
 from ship_gym.sea.state import regular_sea
-from ship_gym.sea.wave_response import SPEED_STEP, wave_response, wave_table_of
+from ship_gym.sea.wave_response import (
+    SPEED_STEP,
+    load_wave_table,
+    wave_response,
+    wave_table_of,
+)
 from ship_gym.sea.wave_table import BOUNDS, MODES, UNCERTAINTY, WaveTable
 from ship_gym.ships import available_ships, load_ship
 from ship_gym.simulation import ShipSim
@@ -84,6 +89,20 @@ def test_response_is_the_table_at_its_own_points():
     assert N == pytest.approx(N_G + h.x_G * Y, rel=1e-6)
     yaw = table.motions[1, 9, k, 5] * omega[0] ** 2 / 9.80665
     assert response[i, 9, 0, 7] + 1j * response[i, 9, 0, 8] == pytest.approx(yaw, rel=1e-6)
+
+
+def test_lookup_is_what_the_kernels_interpolate_and_mirrors():
+    table = load_wave_table("kcs")
+    ship = load_ship("kcs")
+    L, force = ship.hull.L, ship.rho * 9.80665
+    omega = np.array([0.45, 0.6, 0.83])
+    response = wave_response(ship, omega, "blend")
+    found = table.drift(0.15, np.radians(60.0), omega * math.sqrt(L / 9.80665))
+    np.testing.assert_allclose(response[3, 4, :, 0], force * ship.hull.B**2 / L * found[:, 0])
+    np.testing.assert_allclose(response[3, 4, :, 1], 0.5 * force * L * found[:, 1], rtol=1e-6)
+    rao = table.rao(0.15, np.radians([60.0, -60.0]), 2.4)
+    np.testing.assert_allclose(rao[0] * [1, -1, 1, -1, 1, -1], rao[1])
+    assert table.drift([[0.0, 0.1]], 1.0, 2.0).shape == (1, 2, 3)
 
 
 def test_model_and_full_scale_drift_alike():
