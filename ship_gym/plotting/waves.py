@@ -24,7 +24,7 @@ from ship_gym.ships.particulars import Ship
 
 _MODES = ("heave", "pitch", "roll", "sway", "yaw")
 _HEADINGS_DEG = (180.0, 150.0, 120.0, 90.0, 60.0, 30.0, 0.0)
-_RATIOS = (0.3, 0.5, 0.8, 1.1, 1.6, 2.5)  # wavelength / L of the polar plots
+_RATIOS = (0.3, 0.5, 0.8, 1.1, 1.6, 2.5)  # wavelength / L of the roses
 _CLASS_COLOURS = (TEAL, "#8fc9bd", "#e8d8a8", AMBER, "#9db4cc", FAINT)
 
 
@@ -224,7 +224,7 @@ def plot_surge(table: WaveTable, path: str | os.PathLike) -> None:
 
 def plot_classes(table: WaveTable, path: str | os.PathLike) -> None:
     """Class of uncertainty over heading and wavelength, a map for each speed."""
-    columns = min(len(table.froude), 3)
+    columns = 2 if len(table.froude) == 4 else min(len(table.froude), 3)
     rows = -(-len(table.froude) // columns)
     colours = ListedColormap(_CLASS_COLOURS)
     norm = BoundaryNorm(np.arange(len(UNCERTAINTY) + 1) - 0.5, len(UNCERTAINTY))
@@ -239,10 +239,11 @@ def plot_classes(table: WaveTable, path: str | os.PathLike) -> None:
             axes.set_yticks([0.2, 0.4, 1.0, 3.0], ["0.2", "0.4", "1", "3"])
             axes.minorticks_off()
             axes.grid(False)
+            if i + columns >= len(table.froude):  # the lowest of its column
+                axes.set_xlabel("heading [deg], 180 = head sea")
+                axes.tick_params(labelbottom=True)
         for axes in cells[:, 0]:
             axes.set_ylabel("wavelength / L [-]")
-        for axes in cells[-1]:
-            axes.set_xlabel("heading [deg], 180 = head sea")
         marks = [axes.plot([], [], "s", color=colour, markersize=9)[0] for colour in _CLASS_COLOURS]
         texts = [f"{key}: {text}" for key, text in UNCERTAINTY.items()]
         figure.legend(marks, texts, loc="outside lower left", ncols=1)

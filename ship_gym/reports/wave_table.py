@@ -182,7 +182,7 @@ def _hull(ship: Ship, mesh: HullMesh | None) -> list[Grid | Text]:
 
 
 def _body(table: WaveTable) -> Grid:
-    rows = [[_BODY[name], f"{value:.5g}"] for name, value in table.card["body"].items()]
+    rows = [[meaning, f"{table.card['body'][name]:.5g}"] for name, meaning in _BODY.items()]
     return Grid("mass and added damping", ["", ""], rows)
 
 
@@ -198,10 +198,17 @@ def _surge(table: WaveTable) -> list[Grid | Text]:
             [f"{np.degrees(table.heading[j]):.0f}", *(cell(s, j) for s in speeds)] for j in every
         ]
 
-    def pair(name: str, digits: int):
-        return lambda s, j: (
-            f"{found[name][s][j]:.{digits}f} ({found[name + '_snnm'][s][j]:.{digits}f})"
+    def peak(s: str, j: int) -> str:
+        ours, theirs = found["peak"][s][j], found["peak_snnm"][s][j]
+        return f"{_plus(ours)} ({_plus(theirs)})"
+
+    def place(s: str, j: int) -> str:
+        """No place where waves of all lengths push the ship ahead."""
+        ours, theirs = (
+            f"{found['at' + of][s][j]:.2f}" if found["peak" + of][s][j] > 0.005 else "-"
+            for of in ("", "_snnm")
         )
+        return f"{ours} ({theirs})"
 
     return [
         Text(
@@ -214,15 +221,46 @@ def _surge(table: WaveTable) -> list[Grid | Text]:
             header,
             rows(lambda s, j: f"{found['rms'][s][j]:.2f}"),
         ),
-        Grid("largest -CX, SNNM in brackets", header, rows(pair("peak", 2))),
-        Grid("wavelength / L of it, SNNM in brackets", header, rows(pair("at", 2))),
+        Grid("largest -CX, SNNM in brackets", header, rows(peak)),
+        Grid("wavelength / L of it, SNNM in brackets", header, rows(place)),
     ]
+
+
+def _plus(value: float) -> str:
+    """Two digits, without a sign on zero."""
+    return f"{round(value, 2) + 0.0:.2f}"
+
+
+def largest_rms(table: WaveTable) -> dict[int, tuple[float, float, float]]:
+    """Largest rms difference from SNNM at speed in the headings of classes 1 and 2.
+
+    Returns
+    -------
+    dict
+        Class to (rms by SNNM's largest value, Froude number, heading [deg]); see
+        `compare_with_snnm`. A class without headings is left out.
+    """
+    rms = compare_with_snnm(table)["rms"]
+    heading = np.degrees(table.heading)
+    every = [
+        (value, float(U), float(mu))
+        for U in table.froude[1:]
+        for value, mu in zip(rms[f"{U:.2f}"], heading, strict=True)
+    ]
+    classes = {1: (149.9, 181.0), 2: (89.9, 149.9)}
+    within = {key: [e for e in every if low < e[2] <= high] for key, (low, high) in classes.items()}
+    return {key: max(entries) for key, entries in within.items() if entries}
 
 
 def _classes(table: WaveTable) -> Grid:
+    """What the classes promise, and what the comparison with SNNM finds in this table."""
+    worst = {
+        key: f"{rms:.2f} at Fn {U:g}, {mu:.0f} deg"
+        for key, (rms, U, mu) in largest_rms(table).items()
+    }
     total = table.uncertainty.size
-    rows = [
-        [str(key), text, f"{100.0 * np.count_nonzero(table.uncertainty == key) / total:.0f} %"]
-        for key, text in UNCERTAINTY.items()
-    ]
-    return Grid("", ["class", "meaning", "share of cells"], rows, left=2)
+    rows = []
+    for key, text in UNCERTAINTY.items():
+        share = f"{100.0 * np.count_nonzero(table.uncertainty == key) / total:.0f} %"
+        rows.append([str(key), text, worst.get(key, ""), share])
+    return Grid("", ["class", "meaning", "largest rms here", "share of cells"], rows, left=2)
