@@ -11,12 +11,19 @@ from ship_gym.config import ConfigError, check_known
 from ship_gym.reports import manoeuvre as report
 from ship_gym.reports.case import MANOEUVRES, Case, sail, sail_trial, trials
 
+OPTIONS = (
+    *("delta_deg", "psi_deg", "speed", "n"),
+    *("sea", "wave_height", "wavelength", "wave_from_deg"),
+)
 LOADING_COLOUR = {"turning_circle": "t", "zigzag": "delta"}
 EXAMPLES = (
     "python scripts/simulate.py                                  # KCS model beside its trial",
     "python scripts/simulate.py zigzag --ship kvlcc2_model --delta -20",
     "python scripts/simulate.py trials --ship kvlcc2_model       # every measured manoeuvre",
     "python scripts/simulate.py turning --ship kcs --n 1.5 --sea current --csv runs/turn.csv",
+    "python scripts/simulate.py --ship kcs --sea ss5 --wave-from 45",
+    "python scripts/simulate.py --ship dtc_model --speed 1.48 --n 15.7 \\\n"
+    "      --wave-height 0.112 --wavelength 1.0          # regular waves, beside calm water",
 )
 
 
@@ -35,7 +42,12 @@ def arguments():
     p.add_argument("--psi", dest="psi_deg", type=float, help="zig-zag heading [deg]; as --delta")
     p.add_argument("--speed", type=float, help="approach [m/s] (default: the ship's nominal)")
     p.add_argument("--n", type=float, help="[rev/s] (default: the trial's, else self-propulsion)")
-    p.add_argument("--sea", default="calm", help="calm (default), current, disturbed, ...")
+    p.add_argument("--sea", default="calm", help="calm (default), current, ss2 to ss8, ...")
+    p.add_argument("--wave-height", type=float, help="of a regular wave, crest to trough [m]")
+    p.add_argument("--wavelength", type=float, help="of a regular wave [ship lengths]")
+    p.add_argument(
+        "--wave-from", dest="wave_from_deg", type=float, help="where waves come from [deg]; 0 north"
+    )
     p.add_argument("--out", type=Path, help="picture (default runs/turning_circle.png etc.)")
     p.add_argument("--loading", type=Path, help="also draw the propeller loading t'-q'-n' (PNG)")
     p.add_argument("--csv", type=Path, help="also write the time history")
@@ -47,11 +59,14 @@ def write(case: Case, args, number: str) -> list[str]:
     """Write the picture and what else was asked for; return the paths, numbered if several."""
     from ship_gym.plotting import plot_manoeuvre
     from ship_gym.plotting.loading import plot_loading
+    from ship_gym.plotting.seaway import plot_turning_in_waves
 
     out = args.out or Path("runs") / f"{case.manoeuvre}.png"
     what = {"title": report.title(case), "colour": LOADING_COLOUR[case.manoeuvre]}
     history = case.result.trajectory
-    jobs = {out: lambda path: plot_manoeuvre(case, path)}
+    in_waves = case.calm is not None and case.manoeuvre == "turning_circle"
+    draw = plot_turning_in_waves if in_waves else plot_manoeuvre
+    jobs = {out: lambda path: draw(case, path)}
     jobs |= {args.loading: lambda path: plot_loading(history, case.ship, path, **what)}
     jobs |= {args.csv: history.to_csv, args.rrd: history.to_rrd}
     paths = {path.with_stem(path.stem + number): job for path, job in jobs.items() if path}
@@ -62,7 +77,7 @@ def write(case: Case, args, number: str) -> list[str]:
 
 def refuse_options(args) -> None:
     """Trials are sailed as they were measured."""
-    given = [k for k in ("delta_deg", "psi_deg", "speed", "n") if getattr(args, k) is not None]
+    given = [k for k in OPTIONS if k != "sea" and getattr(args, k) is not None]
     given += ["sea"] if args.sea != "calm" else []
     if given:
         raise ConfigError(f"{given[0]}: trials are sailed as measured; leave it out")
@@ -75,7 +90,7 @@ def main() -> None:
         need("rerun")
     check_known("manoeuvre", args.what, [*MANOEUVRES, "trials"])
     ship = load_ship(args.ship, surrogate=args.surrogate, variant=args.variant)
-    options = {k: getattr(args, k) for k in ("delta_deg", "psi_deg", "speed", "n", "sea")}
+    options = {k: getattr(args, k) for k in OPTIONS}
     if args.what == "trials":
         refuse_options(args)
         jobs = [lambda t=t: sail_trial(ship, t) for t in trials(ship)]

@@ -17,7 +17,7 @@ def waves_now(time, body, sea, around):
     """Drift and wave-frequency motion of one ship at one instant (``waves.WAVE_NAMES``)."""
     waves, groups, response, _ = around
     u_c, _ = water_velocity(body[5], sea)
-    grid = (sea.speed_step, body[0] - u_c)
+    grid = (sea.speed_step, sea.speed_max, body[0] - u_c)
     X, Y, N, sway, sway_velocity, roll, yaw, yaw_rate, fast = wave_loads(
         time, body, waves, groups, response, grid, sea.mean_drift == 1
     )

@@ -57,7 +57,7 @@ def relative_heading(psi, direction):
 
 @kernel
 def wave_phase(waves, k, time, place):
-    """cos and sin of theta = omega t - k . place + phase of wave k, times the amplitude [m]."""
+    """Cosine and sine of theta = omega t - k . place + phase of wave k, times the amplitude [m]."""
     along = waves[k, K_NORTH] * place[0] + waves[k, K_EAST] * place[1]
     c, s = cos_sin_of_turns((waves[k, OMEGA] * time - along) / _TURN + waves[k, PHASE])
     return waves[k, AMPLITUDE] * c, waves[k, AMPLITUDE] * s
@@ -117,8 +117,8 @@ def wave_loads(time, body, waves, groups, response, grid, mean_only):
         First wave of each direction, and N.
     response : ndarray (speeds, headings, N, 9)
         Headings from 0 to pi; sway, roll, yaw and their drift change sign with the side.
-    grid : (float, float)
-        Speed step of the table [m/s] and surge velocity through the water [m/s].
+    grid : (float, float, float)
+        Speed step of the table, its largest speed and surge velocity through the water [m/s].
     mean_only : bool
         Only the constant part of the drift, sum a^2 T.
 
@@ -131,7 +131,7 @@ def wave_loads(time, body, waves, groups, response, grid, mean_only):
     c_psi, s_psi = math.cos(psi), math.sin(psi)
     north, east = u * c_psi - v * s_psi, u * s_psi + v * c_psi
     speeds, headings = response.shape[0], response.shape[1]
-    i, w = cell(grid[1], 0.0, grid[0], speeds)
+    i, w = cell(grid[2], 0.0, grid[0], speeds)
     PX = PX_ = PY = PY_ = PN = PN_ = Q = Q_ = 0.0
     sway = sway_rate = roll = yaw = yaw_rate = 0.0
     for g in range(len(groups) - 1):
@@ -163,5 +163,5 @@ def wave_loads(time, body, waves, groups, response, grid, mean_only):
             yaw_rate -= omega_e * (re * s + im * c)
     if not mean_only:
         PX, PY, PN = PX * Q + PX_ * Q_, PY * Q + PY_ * Q_, PN * Q + PN_ * Q_
-    outside = max(0.0, grid[1] / (grid[0] * (speeds - 1)) - 1.0)
+    outside = max(0.0, grid[2] / grid[1] - 1.0)
     return PX, PY, PN, sway, sway_rate, roll, yaw, yaw_rate, outside

@@ -110,7 +110,9 @@ def _tracks(axes: Axes, case: Case, waves: dict, calm: dict) -> None:
     L = case.ship.hull.L
     north, east, seen = seen_motion(waves)
     axes.plot(calm["y"] / L, calm["x"] / L, color=FAINT, linestyle=DASHED, label="calm water")
-    axes.plot(east / L, north / L, color=AMBER, linewidth=2.6, alpha=0.7, label="with first-order sway")
+    axes.plot(
+        east / L, north / L, color=AMBER, linewidth=2.6, alpha=0.7, label="with first-order sway"
+    )
     axes.plot(waves["y"] / L, waves["x"] / L, color=BLUE, linewidth=0.9, label="in waves")
     turned = np.degrees(np.abs(waves["psi"]))
     for angle in np.arange(0.0, 361.0, _OUTLINE_EVERY):
@@ -123,12 +125,12 @@ def _tracks(axes: Axes, case: Case, waves: dict, calm: dict) -> None:
     towards = math.degrees(result.drift_direction) % 360.0
     text = f"drift, 180 to 540 deg:\n{result.drift_distance:.2f} L to {towards:.0f} deg"
     text += f"\n(calm water {case.calm.drift_distance:.2f} L)"
-    paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0}
     side = math.copysign(1.0, case.delta)
-    place = (0.5 * (waves["y"].max() + waves["y"].min()) / L, 0.5 * (end[1] + start[1]))
-    axes.annotate(text, place, color=RED, ha="center", va="center", fontsize=9, bbox=paper)
+    place, align = (0.98, "right") if side > 0.0 else (0.02, "left")
+    style = {"ha": align, "va": "bottom", "color": RED, "transform": axes.transAxes}
+    axes.text(place, 0.02, text, **style)
     _wave_arrow(axes, case, side)
-    axes.margins(0.1)
+    axes.margins(0.12)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("east y [L]")
     axes.set_ylabel("north x [L]")
@@ -178,7 +180,7 @@ def _histories(panels: list[Axes], case: Case, waves: dict, calm: dict) -> None:
     sway, angle = panels[4], panels[5]
     sway.plot(waves["t"], waves["wave_sway"] / L, color=AMBER, linewidth=0.9)
     sway.set_title("wave-frequency sway [L]")
-    for name, colour in (("roll", RED), ("yaw", AMBER)):
+    for name, colour in (("roll", TEAL), ("yaw", AMBER)):
         values = rate * waves[f"wave_{name}"]
         angle.plot(waves["t"], values, color=colour, linewidth=0.9, label=name)
     angle.set_title("wave-frequency roll and yaw [deg]")
@@ -236,7 +238,7 @@ def plot_headings(
             _relative_marks(axes[0, column])
         axes[0, 0].legend(title="waves from", loc="upper right")
         axes[0, 2].set_title("PID autopilot: heading psi [deg], ordered 0")
-        axes[0, 2].set_ylim(-5.0, 5.0)
+        axes[0, 2].set_ylim(-3.0, 3.0)
         for below in axes[1]:
             below.set_title("yaw moment of the wave drift [MN m]")
         for below in axes[2, :2]:

@@ -59,12 +59,12 @@ def steering_panels(columns: Columns) -> list[Panel]:
 
 
 def motion_panels(columns: Columns) -> list[Panel]:
-    """Speeds, yaw rate, forces by axis and component, reward terms; see `steering_panels`."""
-    turn = _plain(columns, "r", scale=180.0 / np.pi)
+    """Speeds, yaw rate, wave-frequency motion, forces, reward terms; see `steering_panels`."""
     return _filled(
         Panel("plots/speed", "Speed over ground, u ahead, v to starboard [m/s]",
               _plain(columns, "u", "v")),
-        Panel("plots/yaw_rate", "Yaw rate [deg/s]", turn),
+        Panel("plots/yaw_rate", "Yaw rate [deg/s]", _yaw_rate(columns)),
+        Panel("plots/wave_motion", "Wave-frequency motion [deg]", _wave_motion(columns)),
         *(_forces(columns, axis) for axis in FORCE_AXES),
         Panel("plots/reward", "Reward and its terms [-]", _plain(columns, *_rewards(columns))),
     )  # fmt: skip
@@ -84,11 +84,37 @@ def _heading(columns: Columns) -> list[Series]:
     found = []
     if "psi" in columns:
         psi = np.unwrap(columns["psi"])
+        if _in_waves(columns, "wave_yaw"):
+            found.append(Series("with waves", np.degrees(psi + columns["wave_yaw"]), _GREY))
         found.append(Series("heading", np.degrees(psi), _BLUE))
         if "psi_ordered" in columns:
             ordered = psi - wrap_angle(columns["psi"] - columns["psi_ordered"])
             found.append(Series("ordered", np.degrees(ordered), _ORANGE))
     return found
+
+
+def _in_waves(columns: Columns, name: str) -> bool:
+    """Whether a wave-frequency motion is recorded and not zero all the time, as in calm water."""
+    return name in columns and bool(np.any(columns[name]))
+
+
+def _yaw_rate(columns: Columns) -> list[Series]:
+    """Draw the yaw rate over what a sensor in the waves measures."""
+    found = _plain(columns, "r", scale=180.0 / np.pi)
+    if found and _in_waves(columns, "wave_yaw_rate"):
+        seen = np.degrees(columns["r"] + columns["wave_yaw_rate"])
+        found = [Series("with waves", seen, _GREY), *found]
+    return found
+
+
+def _wave_motion(columns: Columns) -> list[Series]:
+    """Draw roll and yaw of wave frequency; nothing in calm water."""
+    names = (("wave_roll", "roll", _GREEN), ("wave_yaw", "yaw", _BLUE))
+    return [
+        Series(label, np.degrees(columns[name]), color)
+        for name, label, color in names
+        if _in_waves(columns, name)
+    ]
 
 
 def _heading_error(columns: Columns) -> list[Series]:

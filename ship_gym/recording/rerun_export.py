@@ -152,8 +152,8 @@ def _log_scene(stream, trajectory: Trajectory, points: np.ndarray, ship, length:
     columns, t = trajectory.columns, trajectory["t"]
     _log(stream, "world", rr.ViewCoordinates.FRD)  # x north, y east, z down: right-handed
     _log_sea(stream, trajectory, points, length)
-    turn = scene.turned(columns["psi"], axis=2)
-    _send(stream, "world/ship", t, rr.Transform3D.columns(translation=points, quaternion=turn))
+    places, turns = scene.pose(columns)
+    _send(stream, "world/ship", t, rr.Transform3D.columns(translation=places, quaternion=turns))
     _send(stream, "world/at_ship", t, rr.Transform3D.columns(translation=points))
     if ship is not None:
         _log_ship(stream, columns, ship)

@@ -15,6 +15,12 @@ from ship_gym.recording.hull_shape import box_mesh, merge
 Columns = Mapping[str, np.ndarray]
 MOST_WAKE_POINTS = 2000  # more would slow the viewer down and show nothing new
 RING = 0.8  # radius of the compass ring [L]
+# force component -> entity, label, height above the water [L] and colour of its arrow
+_FORCES = {
+    "disturbance": ("disturbance", "disturbance force", 0.12, (240, 80, 100)),
+    "wave": ("wave_force", "wave drift force", 0.20, (190, 130, 235)),
+    "wind": ("wind_force", "wind force", 0.28, (140, 205, 245)),
+}
 _HULL_RED, _HULL_BLUE, _DECK = (165, 62, 52), (70, 98, 145), (165, 135, 105)
 
 
@@ -59,6 +65,24 @@ def positions(columns: Columns) -> np.ndarray:
     return np.stack([columns["x"], columns["y"], np.zeros(len(columns["x"]))], axis=1)
 
 
+def pose(columns: Columns) -> tuple[np.ndarray, np.ndarray]:
+    """Place and turn of the hull as it is seen, with wave-frequency motion where it is recorded.
+
+    Returns
+    -------
+    places : numpy.ndarray, shape (T, 3)
+        [m], earth axes: the ship's origin, moved to starboard by ``wave_sway``.
+    turns : numpy.ndarray, shape (T, 4)
+        Unit quaternions (x, y, z, w): heading with ``wave_yaw``, then ``wave_roll`` to starboard.
+    """
+    still = np.zeros(len(columns["psi"]))
+    sway, roll, yaw = (columns.get(f"wave_{name}", still) for name in ("sway", "roll", "yaw"))
+    places = positions(columns) + _to_earth(still, sway, columns["psi"])
+    z, w = turned(columns["psi"] + yaw, axis=2).T[2:]
+    x, w_roll = turned(roll, axis=0).T[[0, 3]]
+    return places, np.stack([w * x, z * x, z * w_roll, w * w_roll], axis=1)
+
+
 def turned(angle: np.ndarray, axis: int) -> np.ndarray:
     """Unit quaternions (x, y, z, w), shape (T, 4), of turns by `angle` [rad] about one axis."""
     quaternions = np.zeros((len(angle), 4))
@@ -95,7 +119,7 @@ def propeller_angle(columns: Columns) -> np.ndarray:
 
 
 def arrows(columns: Columns, length: float) -> list[Arrow]:
-    """Arrows for the ordered heading, the current, the wind and the disturbance force.
+    """Arrows for the ordered heading, the current, the wind and the forces of waves and wind.
 
     Parameters
     ----------
@@ -103,7 +127,7 @@ def arrows(columns: Columns, length: float) -> list[Arrow]:
         Columns of a trajectory; an arrow whose columns are missing is left out.
     length : float
         Ship length [m]. The ordered heading is a mark on the compass ring; the others are scaled
-        so that their largest value shows well.
+        so that their largest value shows well, the forces all by one scale.
 
     Returns
     -------
@@ -121,11 +145,24 @@ def arrows(columns: Columns, length: float) -> list[Arrow]:
     if {"wind_speed", "wind_direction_from"} <= columns.keys():
         wind = (columns["wind_direction_from"] + np.pi, columns["wind_speed"])
         found.append(_incoming("wind", *wind, length, -0.2 * length, (235, 235, 250)))
-    if {"X_disturbance", "Y_disturbance", "psi"} <= columns.keys():
-        force = _to_earth(columns["X_disturbance"], columns["Y_disturbance"], columns["psi"])
-        force = _scaled(force, 0.5 * length)
-        start = np.broadcast_to([0.0, 0.0, -0.12 * length], force.shape)
-        found.append(Arrow("disturbance", "disturbance force", start, force, (240, 80, 100)))
+    return found + _force_arrows(columns, length)
+
+
+def _force_arrows(columns: Columns, length: float) -> list[Arrow]:
+    """Arrows of the forces from outside that act, all by one scale."""
+    forces = {}
+    for component in _FORCES:
+        if {f"X_{component}", f"Y_{component}", "psi"} <= columns.keys():
+            body = columns[f"X_{component}"], columns[f"Y_{component}"]
+            force = _to_earth(*body, columns["psi"])
+            if force.any():
+                forces[component] = force
+    largest = max((np.linalg.norm(force, axis=1).max() for force in forces.values()), default=1.0)
+    found = []
+    for component, force in forces.items():
+        name, label, height, color = _FORCES[component]
+        start = np.broadcast_to([0.0, 0.0, -height * length], force.shape)
+        found.append(Arrow(name, label, start, force * (0.5 * length / largest), color))
     return found
 
 

@@ -97,7 +97,7 @@ def sail(
     delta, psi = _angles(ship, kind, delta_deg, psi_deg)
     speed = check_number("speed", ship.speed if speed is None else speed, 1e-6, 100.0, "m/s")
     water, label = sea_of(ship, sea, wave_height, wavelength, wave_from_deg)
-    trial = _matching_trial(ship, kind, delta, psi, speed, n) if water == CALM else None
+    trial = _matching_trial(ship, kind, delta, psi, speed, n) if label == "calm" else None
     if n is None:
         n = self_propulsion(ship, speed) if trial is None or trial.n is None else trial.n
 
@@ -148,9 +148,15 @@ def sea_of(
 
 
 def _regular_wave(ship: Ship, height: float, wavelength: float) -> RegularWave:
+    """A wave of a height [m] and a length [L]; one that breaks is a ConfigError."""
     check_number("wave_height", height, 1e-6, 40.0, "m")
     check_number("wavelength", wavelength, 0.05, 20.0, "L")
-    return regular_sea(0.5 * height, wavelength=wavelength * ship.hull.L).regular
+    try:
+        return regular_sea(0.5 * height, wavelength=wavelength * ship.hull.L).regular
+    except ConfigError as error:
+        raise ConfigError(
+            f"wave_height = {height} m, wavelength = {wavelength} L: {error}"
+        ) from None
 
 
 def sail_trial(ship: Ship, trial: Trial) -> Case:

@@ -60,7 +60,8 @@ SEA_DTYPE = np.dtype(
             ("drift", np.float64),  # 1 with drift, 0 without
             ("mean_drift", np.int64),
             ("response", np.int64),
-            ("speed_step", np.float64),  # of the response table [m/s]
+            ("speed_step", np.float64),  # of the response table, and its largest [m/s]
+            ("speed_max", np.float64),
             ("waves_outside", np.float64),  # share of the waves' energy outside the table
             ("windy", np.int64),
             ("wind_table", np.int64),
@@ -181,12 +182,20 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
             records[i]["speed_step"] = SPEED_STEP * math.sqrt(G * ship.hull.L)
             records[i]["waves_outside"] = energy_outside(ship, waves)
             responses.append(wave_response(ship, waves.omega, s.surge_model))
+            records[i]["speed_max"] = records[i]["speed_step"] * (len(responses[-1]) - 1)
     breaks = np.flatnonzero(np.diff(first.direction)) + 1
     groups = np.array([0, *breaks.tolist(), count] if count else [0], dtype=np.int64)
-    response = np.stack(responses) if responses else BLANK_RESPONSE
+    response = _stacked(responses) if responses else BLANK_RESPONSE
     waves = np.zeros((len(ships), count, N_WAVE))
     table = np.stack(winds) if winds else np.zeros((1, 2, 3))
     return Waters(records, waves, components, groups, response, table)
+
+
+def _stacked(responses: list[np.ndarray]) -> np.ndarray:
+    """Responses with their last speed repeated up to the longest, as lookup beyond it does."""
+    speeds = max(len(response) for response in responses)
+    last = [np.repeat(r[-1:], speeds - len(r), axis=0) for r in responses]
+    return np.stack([np.concatenate(pair) for pair in zip(responses, last, strict=True)])
 
 
 def _fill(record: np.record, ship: Ship, sea: Sea) -> None:

@@ -62,7 +62,7 @@ def made(ship, sea, n=1, seed=3):
 
 def loads(sim, time, body, mean_only=False):
     water = sim.water
-    grid = (SPEED_STEP, body[0])
+    grid = (SPEED_STEP, 6 * SPEED_STEP, body[0])
     return np.array(
         wave_loads(time, body, water.waves[0], water.groups, water.response[0], grid, mean_only)
     )
@@ -184,6 +184,22 @@ def test_batch_of_one_serial_and_parallel_are_the_same_bits(ship):
     for name in ("state", "forces", "waves"):
         assert (getattr(serial, name) == getattr(parallel, name)).all(), name
         assert (getattr(serial, name)[2] == getattr(alone, name)[0]).all(), name
+
+
+def test_ships_with_tables_of_another_length_sail_together():
+    ships = [load_ship("kcs"), load_ship("kvlcc2"), load_ship("onrt")]
+    sea = irregular_sea(3.0, 9.0, direction_from=1.0)
+    fleet = ShipSim(ships, 3, sea, parallel=False)
+    fleet.reset(4)
+    commands = np.array([[0.1, n] for n in fleet.state[:, 7]])
+    for _ in range(20):
+        fleet.step(commands, 1.0)
+    for i, ship in enumerate(ships):
+        alone = ShipSim(ship, 1, sea)
+        alone.reset(4 + i)
+        for _ in range(20):
+            alone.step(commands[i : i + 1], 1.0)
+        assert (alone.state[0] == fleet.state[i]).all(), ship.name
 
 
 def test_wave_frequency_motion_does_not_enter_the_state(ship):

@@ -111,3 +111,48 @@ def test_run_names():
     assert (
         run_name({"task": "heading", "ship": {"name": "kcs"}, "seed": 0}) == "heading, kcs, seed 0"
     )
+
+
+def test_hull_is_seen_rolling_to_starboard_and_swaying():
+    columns = {name: np.zeros(1) for name in ("x", "y", "psi", "wave_yaw")}
+    columns["psi"] += 0.5 * np.pi - 0.1
+    columns |= {"wave_yaw": np.array([0.1]), "wave_roll": np.array([0.2])}
+    columns["wave_sway"] = np.array([3.0])
+    places, turns = scene.pose(columns)
+    assert places[0] == pytest.approx([-3.0 * np.cos(0.1), 3.0 * np.sin(0.1), 0.0])
+    assert rotate(turns[0], [1.0, 0.0, 0.0]) == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
+    starboard = rotate(turns[0], [0.0, 1.0, 0.0])
+    assert starboard == pytest.approx([-np.cos(0.2), 0.0, np.sin(0.2)])  # south and down
+
+
+def test_old_recordings_have_the_heading_alone():
+    columns = {"x": np.zeros(2), "y": np.zeros(2), "psi": np.array([0.0, 0.7])}
+    places, turns = scene.pose(columns)
+    assert np.array_equal(places, np.zeros((2, 3)))
+    assert np.array_equal(turns, scene.turned(columns["psi"], axis=2))
+
+
+def test_wave_and_wind_forces_have_arrows_of_one_scale_where_they_act():
+    columns = {"psi": np.full(2, 0.5 * np.pi), "X_wave": np.zeros(2), "Y_wave": np.array([4.0, 2])}
+    columns |= {"X_wind": np.array([1.0, 1.0]), "Y_wind": np.zeros(2)}
+    columns |= {f"{axis}_disturbance": np.zeros(2) for axis in "XY"}
+    wave, wind = scene.arrows(columns, 100.0)
+    assert (wave.name, wind.name) == ("wave_force", "wind_force")
+    assert wave.vectors[0] == pytest.approx([-50.0, 0.0, 0.0])  # to starboard of east is south
+    assert wind.vectors[1] == pytest.approx([0.0, 12.5, 0.0])
+
+
+def test_wave_frequency_motion_is_drawn_in_waves_only():
+    columns = {name: np.zeros(3) for name in ("psi", "r", "wave_roll", "wave_yaw")}
+    columns["wave_yaw_rate"] = np.zeros(3)
+    titles = [panel.title for panel in panels.motion_panels(columns)]
+    assert titles == ["Yaw rate [deg/s]"]
+    columns |= {"wave_roll": np.full(3, 0.1), "wave_yaw": np.full(3, 0.02)}
+    columns["wave_yaw_rate"] += 0.03
+    heading = panels.steering_panels(columns)[0].series
+    rate, motion = panels.motion_panels(columns)
+    assert [s.label for s in heading] == ["with waves", "heading"]
+    assert heading[0].values == pytest.approx(np.degrees(0.02))
+    assert rate.series[0].values == pytest.approx(np.degrees(0.03))
+    assert [s.label for s in motion.series] == ["roll", "yaw"]
+    assert motion.series[0].values == pytest.approx(np.degrees(0.1))

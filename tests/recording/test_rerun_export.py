@@ -171,3 +171,16 @@ def test_other_files_are_refused(tmp_path):
     stream.disconnect()
     with pytest.raises(ValueError, match="not a recording of Ship Gym"):
         Trajectory.from_rrd(tmp_path / "other.rrd")
+
+
+def test_waves_and_wind_are_shown(tmp_path):
+    run = steered_run()
+    t = run["t"]
+    more = {f"wave_{name}": 0.01 * np.cos(t) for name in ("sway", "roll", "yaw", "yaw_rate")}
+    more |= {f"{axis}_{part}": 1e4 * np.sin(t) for axis in "XYN" for part in ("wave", "wind")}
+    run = Trajectory({**run.columns, **more}, run.meta)
+    run.to_rrd(tmp_path / "run.rrd")
+    assert same(run, Trajectory.from_rrd(tmp_path / "run.rrd"))
+    shown = entities(tmp_path / "run.rrd")
+    assert {"/world/at_ship/wave_force", "/world/at_ship/wind_force"} <= shown
+    assert "/plots/wave_motion" in shown

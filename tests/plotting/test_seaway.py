@@ -1,0 +1,68 @@
+"""Pictures of a ship in waves, and the motion that they draw on top of the track."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from ship_gym.conventions import FORCE_COMPONENTS
+from ship_gym.plotting.figure import COMPONENTS
+from ship_gym.plotting.seaway import (
+    HeadingRun,
+    _share_text,
+    bow_to_waves,
+    plot_headings,
+    plot_turning_in_waves,
+    seen_motion,
+)
+from ship_gym.recording import Trajectory
+from ship_gym.reports.case import sail, sea_of
+from ship_gym.ships.loader import load_ship
+
+
+@pytest.fixture(scope="module")
+def case():
+    """To port, in a regular wave; a picture of one to starboard is in test_seaway_manoeuvres."""
+    return sail(load_ship("dtc_model"), delta_deg=-35.0, wave_height=0.05, wavelength=1.0)
+
+
+def is_picture(path) -> bool:
+    data = path.read_bytes()
+    return data[:4] == b"\x89PNG" and 15_000 < len(data) < 300_000
+
+
+def test_every_component_has_its_own_colour():
+    assert set(COMPONENTS) == set(FORCE_COMPONENTS)
+    assert len(set(COMPONENTS.values())) == len(FORCE_COMPONENTS)
+
+
+def test_sway_is_to_starboard_and_yaw_is_added():
+    columns = {"x": 10.0, "y": 5.0, "psi": 0.5 * math.pi, "wave_sway": 2.0, "wave_yaw": 0.1}
+    north, east, psi = seen_motion({name: np.array([value]) for name, value in columns.items()})
+    assert (north, east) == (pytest.approx([8.0]), pytest.approx([5.0]))  # east: starboard is south
+    assert psi == pytest.approx([0.5 * math.pi + 0.1])
+
+
+def test_angle_between_bow_and_waves():
+    found = bow_to_waves(np.radians([0.0, 20.0, -70.0, 200.0, 380.0]), 20.0)
+    assert found == pytest.approx([20.0, 0.0, 90.0, 180.0, 0.0], abs=1e-9)
+
+
+def test_irregular_sea_has_no_share_at_first(tmp_path, case):
+    assert _share_text(case).count("%") == 2
+    water, _ = sea_of(case.ship, "ss5", wave_from_deg=30.0)
+    case = dataclasses.replace(case, water=water)
+    assert _share_text(case).count("%") == 1
+    plot_turning_in_waves(case, tmp_path / "turn.png")
+    assert is_picture(tmp_path / "turn.png")
+
+
+def test_headings(tmp_path, case):
+    t = case.result.trajectory
+    t = Trajectory({name: values[::20] for name, values in t.columns.items()}, {})
+    runs = [HeadingRun(angle, t, t, t) for angle in (20.0, 120.0)]
+    plot_headings(runs, tmp_path / "heading.png", "title", "details")
+    assert is_picture(tmp_path / "heading.png")
