@@ -20,6 +20,7 @@ from ship_gym.conventions import (
     U,
 )
 from ship_gym.physics.dynamics import over_ground
+from ship_gym.physics.waves import WAVE_EXTRAPOLATION
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
@@ -230,13 +231,16 @@ class EpisodeBatch:
             [s]; ``power`` delivered at the propeller [W]; ``extrapolation`` (distance outside the
             surrogate's trained box, 0 inside); the safety ``cost`` (1 where the rudder is
             saturated or the episode terminated); with randomisation also ``randomisation``, what
-            was drawn by name.
+            was drawn by name; in waves also ``waves_extrapolation``, how far the ship is faster
+            than its wave table goes, or the share of the waves' energy outside it, 0 inside.
         """
         sim = self.sim
         forces, flow, terms = sim.forces.copy(), sim.flow.copy(), self.terms.copy()
         saturated = np.abs(sim.state[:, DELTA]) >= _SATURATED * self.ship.gear.delta_max
-        drawn = {"randomisation": self.randomisation()} if self._surrogate_std > 0.0 else {}
-        return drawn | {
+        extra = {"randomisation": self.randomisation()} if self._surrogate_std > 0.0 else {}
+        if sim.water.n_waves:
+            extra["waves_extrapolation"] = sim.waves[:, WAVE_EXTRAPOLATION].copy()
+        return extra | {
             "reward_terms": {k: terms[:, i] for i, k in enumerate(heading.REWARD_TERMS)},
             "forces": {k: forces[:, i] for i, k in enumerate(FORCE_COMPONENTS)},
             "flow": {k: flow[:, i] for i, k in enumerate(FLOW_NAMES)},
@@ -252,10 +256,12 @@ class EpisodeBatch:
         sim, forces, flow = self.sim, self.sim.forces[i].copy(), self.sim.flow[i].tolist()
         delta, n = sim.state[i, DELTA].item(), sim.state[i, N].item()
         saturated = abs(delta) >= _SATURATED * self.ship.gear.delta_max
-        drawn = {}
+        extra: dict[str, Any] = {}
         if self._surrogate_std > 0.0:
-            drawn = {"randomisation": {k: z[i].item() for k, z in self.randomisation().items()}}
-        return drawn | {
+            extra["randomisation"] = {k: z[i].item() for k, z in self.randomisation().items()}
+        if sim.water.n_waves:
+            extra["waves_extrapolation"] = sim.waves[i, WAVE_EXTRAPOLATION].item()
+        return extra | {
             "reward_terms": dict(zip(heading.REWARD_TERMS, self.terms[i].tolist(), strict=True)),
             "forces": dict(zip(FORCE_COMPONENTS, forces, strict=True)),
             "flow": dict(zip(FLOW_NAMES, flow, strict=True)),
