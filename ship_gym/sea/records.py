@@ -41,35 +41,36 @@ SEA_DTYPE = np.dtype(
     (
         np.record,
         [
+            # what every step reads stands together, in the first cache lines
             ("V_north", np.float64),  # current now, and its mean and slow variation
             ("V_east", np.float64),
-            ("mean_north", np.float64),
-            ("mean_east", np.float64),
-            ("variation", np.float64),
-            ("variation_omega", np.float64),
-            ("variation_phase", np.float64),
             ("disturbed", np.int64),
+            ("wavy", np.int64),
+            ("windy", np.int64),
+            ("variation", np.float64),
+            ("response", np.int64),
+            ("wind_table", np.int64),
             ("omega_1", np.float64),
             ("Y_std", np.float64),
             ("N_std", np.float64),
-            *(
-                (name, np.float64, (N_HARMONICS,))
-                for name in ("amplitude", "Y_cos", "Y_sin", "N_cos", "N_sin")
-            ),
-            ("wavy", np.int64),
+            ("mean_north", np.float64),
+            ("mean_east", np.float64),
+            ("variation_omega", np.float64),
+            ("variation_phase", np.float64),
             ("drift", np.float64),  # 1 with drift, 0 without
             ("mean_drift", np.int64),
-            ("response", np.int64),
             ("speed_step", np.float64),  # of the response table, and its largest [m/s]
             ("speed_max", np.float64),
             ("waves_outside", np.float64),  # share of the waves' energy outside the table
-            ("windy", np.int64),
-            ("wind_table", np.int64),
             ("A_F", np.float64),  # areas and length that the wind sees [m2], [m]
             ("A_L", np.float64),
             ("L_oa", np.float64),
             ("wind_north", np.float64),  # mean wind velocity [m/s]
             ("wind_east", np.float64),
+            *(
+                (name, np.float64, (N_HARMONICS,))
+                for name in ("amplitude", "Y_cos", "Y_sin", "N_cos", "N_sin")
+            ),
             *((f"gust_{name}", np.float64, (N_GUSTS,)) for name in ("share", "omega", "phase")),
         ],
     )
