@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import (
-    UNITS,
     ConfigError,
     build,
     check_known,
@@ -38,6 +37,7 @@ from ship_gym.ships.particulars import (
     WindAreas,
     check_sections,
 )
+from ship_gym.ships.reader import Reader
 from ship_gym.ships.scaling import scaled
 from ship_gym.tables import Table
 
@@ -66,8 +66,6 @@ _TOP_UNITS = (("full_length", "m"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", 
 _SAME_SHIP = 0.02  # of D / L: rounding of printed particulars
 # rudder formulas in place of a fitted surrogate, with the propeller's open-water curve in the wake
 FORMULAS = ("none", "beaufoy")
-_TEXTS = ("source", "variant", "type")
-_NUMBER_KEYS = ("value", "unit", "source", "estimated")
 
 
 def available_ships() -> list[str]:
@@ -170,7 +168,7 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
     for key in _NEEDED:
         if key not in data:
             raise ConfigError(f"{path}: missing key {key!r}")
-    reader = _Reader(path, data["source"])
+    reader = Reader(path, data["source"])
     length = reader.number("hull.L", "m", data["hull"].get("L"), math.nan, data["source"])
     parts = {name: data[name] for name in _SECTIONS}
     parts["hull"] = _estimated_hull(data["hull"], length, reader)
@@ -206,7 +204,7 @@ def _wave_table(path: Path) -> str:
     return str(found) if found.is_file() else ""
 
 
-def _estimated_hull(hull: Mapping[str, Any], length: float, reader: _Reader) -> dict[str, Any]:
+def _estimated_hull(hull: Mapping[str, Any], length: float, reader: Reader) -> dict[str, Any]:
     """The section ``hull``, filled up by ``estimators.estimated_hull`` if it asks for that."""
     hull = dict(hull)
     wanted = hull.pop("estimate", False)
@@ -232,7 +230,7 @@ def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
     for key in data:
         if key not in allowed:
             raise ConfigError(f"{path}: unknown key {key!r};{nearest(key, allowed)}")
-    reader = _Reader(path, f"{base.name} by Froude's law")
+    reader = Reader(path, f"{base.name} by Froude's law")
     length = reader.number("length", "m", data.get("length"), math.nan, "")
     ship = scaled(base, length)
     changes = {
@@ -251,74 +249,6 @@ def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
         },
         **changes,
     )
-
-
-class _Reader:
-    """Reads numbers of one file and collects where each comes from."""
-
-    def __init__(self, path: Path, source: str):
-        self.path, self.source = path, source
-        self.sources: dict[str, str] = {}
-        self.estimated: dict[str, str] = {}
-
-    def section(self, name: str, cls: type, values: Mapping[str, Any], length: float) -> Any:
-        """A dataclass of particulars; every field without a default must be there."""
-        self._check_keys(name, cls, values)
-        source = values.get("source", self.source)
-        made = {}
-        for field in dataclasses.fields(cls):
-            if field.name in values:
-                unit = field.metadata["unit"]
-                where = f"{name}.{field.name}"
-                made[field.name] = self.number(where, unit, values[field.name], length, source)
-            elif field.default is dataclasses.MISSING:
-                hint = "; hull.estimate = true fills it up" if name == "hull" else ""
-                raise ConfigError(f"{self.path}: missing key {name}.{field.name!r}{hint}")
-        return cls(**made)
-
-    def replaced(self, name: str, section: Any, values: Mapping[str, Any], length: float) -> Any:
-        """An existing section with some numbers replaced."""
-        self._check_keys(name, type(section), values)
-        units = {f.name: f.metadata["unit"] for f in dataclasses.fields(section)}
-        changes = {
-            key: self.number(
-                f"{name}.{key}", units[key], value, length, values.get("source", self.source)
-            )
-            for key, value in values.items()
-            if key in units
-        }
-        return dataclasses.replace(section, **changes)
-
-    def _check_keys(self, name: str, cls: type, values: Mapping[str, Any]) -> None:
-        known = {field.name for field in dataclasses.fields(cls)}
-        for key in values:
-            if key not in known and key not in _TEXTS:
-                raise ConfigError(f"{self.path}: unknown key {name}.{key!r};{nearest(key, known)}")
-
-    def number(self, where: str, unit: str, entry: Any, length: float, source: str) -> float:
-        """One number in SI. A plain number is dimensionless; others are {value, unit, ...}."""
-        label = f"{self.path}: {where}"
-        if entry is None:
-            raise ConfigError(f"{label}: missing")
-        if not isinstance(entry, Mapping):
-            entry = {"value": entry, "unit": "-"}
-        for key in entry:
-            if key not in _NUMBER_KEYS:
-                raise ConfigError(f"{label}: unknown key {key!r};{nearest(key, _NUMBER_KEYS)}")
-        value, given = entry.get("value"), entry.get("unit", "-")
-        value = check_number(label, value)
-        units = {**UNITS, "L": (length, "m")}
-        if given not in units or units[given][1] != unit:
-            allowed = [name for name, (_, si) in units.items() if si == unit]
-            raise ConfigError(f"{label}: unit {given!r} given, allowed is {' or '.join(allowed)}")
-        result = value * units[given][0]
-        if unit == "rad" and abs(result) > 2.0 * math.pi:
-            raise ConfigError(f"{label} = {value} {given}: looks like degrees, give unit = 'deg'")
-        self.sources[where] = entry.get("source", source)
-        if "estimated" in entry:
-            self.estimated[where] = str(entry["estimated"])
-            self.sources[where] = entry.get("source", "estimated")
-        return result
 
 
 @dataclasses.dataclass(frozen=True)
@@ -344,7 +274,7 @@ class _OpenWaterEntry:
     b_series: _BSeries | None = None
 
 
-def _open_water(entry: Mapping[str, Any], path: Path, reader: _Reader) -> Table:
+def _open_water(entry: Mapping[str, Any], path: Path, reader: Reader) -> Table:
     """Open-water table from points, from polynomials, or K_Q from the B-series."""
     where = f"{path}: open_water"
     e = build(_OpenWaterEntry, entry, where)
