@@ -11,16 +11,14 @@ import math
 
 from ship_gym.conventions import G
 from ship_gym.physics._kernel import kernel
+from ship_gym.physics.angles import cos_sin_of_turns, wrapped
 from ship_gym.physics.interpolate import cell
 
-# columns of a wave of one ship: amplitude [m], frequency [rad/s], wave number north and east [1/m],
-# phase [turns] and direction it goes to [rad]
+# Columns of a wave of one ship: amplitude [m], frequency [rad/s], wave number north and east [1/m],
+# phase [turns] and direction it goes to [rad]. ``sea.wave_response`` has the number of columns and
+# the channels of the response.
 AMPLITUDE, OMEGA, K_NORTH, K_EAST, PHASE, DIRECTION = range(6)
-N_WAVE = 6
-# channels of the response to a wave of unit amplitude: drift X, Y [N/m2], N [N m/m2], and real and
-# imaginary part of sway [m/m], roll and yaw [rad/m]
-N_RESPONSE = 9
-# what `wave_loads` returns: drift X, Y [N], N [N m], wave-frequency sway [m], its velocity [m/s],
+# What `wave_loads` returns: drift X, Y [N], N [N m], wave-frequency sway [m], its velocity [m/s],
 # roll, yaw [rad], yaw rate [rad/s], and how far outside the response table the ship is
 WAVE_NAMES = ("X", "Y", "N", "sway", "sway_velocity", "roll", "yaw", "yaw_rate", "extrapolation")
 N_WAVE_STATE = len(WAVE_NAMES)
@@ -29,29 +27,9 @@ _TURN = 2.0 * math.pi
 
 
 @kernel
-def cos_sin_of_turns(turns):
-    """Cos and sin of 2 pi `turns`, to 1e-11; a polynomial, since two library calls cost more.
-
-    Taylor series on a quarter turn to either side; the other half of the circle is folded onto it.
-    """
-    f = turns - math.floor(turns + 0.5)
-    far = abs(f) > 0.25
-    h = 0.5 - abs(f) if far else abs(f)
-    z = (_TURN * h) * (_TURN * h)
-    s = 1.0 / 6227020800.0 + z * (-1.0 / 1307674368000.0 + z / 355687428096000.0)
-    s = 1.0 / 120.0 + z * (-1.0 / 5040.0 + z * (1.0 / 362880.0 + z * (-1.0 / 39916800.0 + z * s)))
-    s = _TURN * h * (1.0 + z * (-1.0 / 6.0 + z * s))
-    c = 1.0 / 479001600.0 + z * (-1.0 / 87178291200.0 + z / 20922789888000.0)
-    c = 1.0 / 24.0 + z * (-1.0 / 720.0 + z * (1.0 / 40320.0 + z * (-1.0 / 3628800.0 + z * c)))
-    c = 1.0 + z * (-0.5 + z * c)
-    return (-c if far else c), (s if f >= 0.0 else -s)
-
-
-@kernel
 def relative_heading(psi, direction):
     """Mu = psi - wave_direction_to in [0, pi] and the side, 1 or -1, on which the waves come in."""
-    mu = psi - direction
-    mu -= _TURN * math.floor((mu + math.pi) / _TURN)
+    mu = wrapped(psi - direction)
     return (mu, 1.0) if mu >= 0.0 else (-mu, -1.0)
 
 

@@ -6,8 +6,8 @@ import math
 
 from ship_gym.conventions import RHO_AIR
 from ship_gym.physics._kernel import kernel
+from ship_gym.physics.angles import cos_sin_of_turns
 from ship_gym.physics.interpolate import cell, linear
-from ship_gym.physics.waves import cos_sin_of_turns
 
 _TURN = 2.0 * math.pi
 

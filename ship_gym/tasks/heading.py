@@ -13,6 +13,7 @@ import numpy as np
 
 from ship_gym.conventions import DELTA, PSI, N, R, U, V
 from ship_gym.physics._kernel import kernel
+from ship_gym.physics.angles import wrapped
 from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.waves import WAVE_SWAY_VELOCITY, WAVE_YAW, WAVE_YAW_RATE
 
@@ -58,12 +59,6 @@ TASK_DTYPE = np.dtype(
         ],
     )
 )
-
-
-@kernel
-def wrapped(angle):
-    """Angle in [-pi, pi) [rad]."""
-    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
 
 @kernel

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from ship_gym.conventions import PSI, WAVE
+from ship_gym.physics.angles import cos_sin_of_turns
 from ship_gym.physics.waves import (
     WAVE_SWAY,
     WAVE_YAW,
     WAVE_YAW_RATE,
-    cos_sin_of_turns,
     wave_loads,
 )
 from ship_gym.sea.spectra import WaveSystem
