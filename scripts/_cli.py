@@ -31,6 +31,23 @@ def parser(description: str, examples: Sequence[str]) -> argparse.ArgumentParser
     return made
 
 
+def add_report(p: argparse.ArgumentParser) -> None:
+    """Option ``--report [FILE.html]``; `report_page` says which file it means."""
+    p.add_argument(
+        "--report",
+        type=Path,
+        nargs="?",
+        const=Path(),
+        metavar="FILE.html",
+        help="write a page with all pictures and tables (default beside the table file)",
+    )
+
+
+def report_page(wanted: Path | None, table: Path) -> Path | None:
+    """File of the page: the one named, else beside the table; None without ``--report``."""
+    return table.with_suffix(".html") if wanted == Path() else wanted
+
+
 # library -> extra of ship-gym that brings it, and what for
 _EXTRAS = {
     "rerun": ("rerun", "recordings"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from _cli import need, parser, progress, run, show
+from _cli import add_report, need, parser, progress, report_page, run, show
 
 from ship_gym import load_ship
 from ship_gym.config import ConfigError, check_number
@@ -39,14 +39,7 @@ def arguments():
     p.add_argument("--froude", type=float, help="largest speed (default: what the engine holds)")
     p.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default: cores)")
     p.add_argument("--from", dest="table", type=Path, help="no computing: report on this table")
-    p.add_argument(
-        "--report",
-        type=Path,
-        nargs="?",
-        const=Path(),
-        metavar="FILE.html",
-        help="write a page with all pictures and tables (default beside the table file)",
-    )
+    add_report(p)
     return p.parse_args()
 
 
@@ -110,7 +103,7 @@ def main() -> None:
     if args.report is not None:
         from ship_gym.plotting.waves import write_wave_report
 
-        page = path.with_suffix(".html") if args.report == Path() else args.report
+        page = report_page(args.report, path)
         write_wave_report(page, table, ship, mesh, path)
         files.append(page)
     facts = {"file": str(path), **table.card, "snnm": compare_with_snnm(table)}

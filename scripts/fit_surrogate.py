@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from _cli import need, parser, progress, run, show
+from _cli import add_report, need, parser, progress, report_page, run, show
 
 from ship_gym import load_ship
 from ship_gym.config import ConfigError, check_known
@@ -55,14 +55,7 @@ def arguments():
     p.add_argument("--seed", type=int, default=0, help="of networks and proposals")
     p.add_argument("--out", type=Path, help="table file (default runs/surrogate_<data>_<fit>.npz)")
     p.add_argument("--plot", type=Path, help="draw the surrogate to this PNG file")
-    p.add_argument(
-        "--report",
-        type=Path,
-        nargs="?",
-        const=Path(),
-        metavar="FILE.html",
-        help="write a page with all pictures and tables (default beside the table file)",
-    )
+    add_report(p)
     p.add_argument(
         "--install",
         type=Path,
@@ -135,7 +128,7 @@ def fit_one(args) -> tuple[dict, str]:
     found, table, facts = done["fit"], done["table"], done["data"]
     stem = report.file_stem(found)
     out = args.out or RUNS / f"{stem}.npz"
-    page = out.with_suffix(".html") if args.report == Path() else args.report
+    page = report_page(args.report, out)
     if args.samples and out.resolve() == args.samples.resolve():
         raise ConfigError(f"--out {out}: that is the file of the samples")
     table.save(out)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ship_gym.config import CsvTable, read_csv
 from ship_gym.surrogates.samples import DATA, DataSet
 
@@ -74,8 +72,3 @@ def printed_totals(data: DataSet) -> dict[str, float]:
         return {}
     rows = read_csv(DATA / "error_budget.csv")
     return dict(zip(rows.columns["quantity"].tolist(), rows.columns["total"].tolist(), strict=True))
-
-
-def mean_size(errors) -> float:
-    """Mean of the sizes of some errors."""
-    return float(np.abs(errors).mean())

@@ -10,14 +10,13 @@ from typing import Any
 import numpy as np
 
 from ship_gym.reports.surrogate_printed import (
-    mean_size,
     printed_errors,
     printed_means,
     printed_regression_means,
     printed_totals,
 )
 from ship_gym.reports.text import paragraph, table
-from ship_gym.surrogates.base import percent_error
+from ship_gym.surrogates.base import mean_size, percent_error
 from ship_gym.surrogates.error_budget import error_budget, sigma_n
 from ship_gym.surrogates.fit import fit, noise_of
 from ship_gym.surrogates.gaussian_process import GaussianProcess

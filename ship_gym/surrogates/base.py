@@ -26,6 +26,11 @@ def percent_error(truth: np.ndarray, model: np.ndarray) -> np.ndarray:
     return 100.0 * (truth - model) / truth
 
 
+def mean_size(errors: np.ndarray) -> float:
+    """Mean of the sizes of some errors, in their unit."""
+    return float(np.abs(errors).mean())
+
+
 def held_out_score(model: SurrogateModel, X: np.ndarray, y: np.ndarray) -> dict[str, float]:
     """Errors of a fitted model on points that it has not seen.
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from ship_gym.config import ConfigError, read_csv
-from ship_gym.surrogates.base import SurrogateModel, percent_error
+from ship_gym.surrogates.base import SurrogateModel, mean_size, percent_error
 from ship_gym.surrogates.samples import DataSet
 
 GRID, FINE_GRID = "G2", "G3"
@@ -83,9 +83,9 @@ def error_budget(data: DataSet, quantity: str, side: str, model: SurrogateModel)
     return ErrorBudget(
         quantity=quantity,
         side=side,
-        grid=_mean_size(percent_error(fine, truth)),
-        turbulence=_mean_size(percent_error(first, second)),
-        surrogate=_mean_size(percent_error(truth, predicted)),
+        grid=mean_size(percent_error(fine, truth)),
+        turbulence=mean_size(percent_error(first, second)),
+        surrogate=mean_size(percent_error(truth, predicted)),
         turbulence_points=both,
     )
 
@@ -121,10 +121,6 @@ def sigma_n(data: DataSet, quantity: str, side: str) -> float:
             f"{OTHER_TURBULENCE}; sigma_n needs at least 3"
         )
     return float(np.std(differences, ddof=1) * math.sqrt((n - 1) / chdtri(n - 1, 0.95)))
-
-
-def _mean_size(errors: np.ndarray) -> float:
-    return float(np.abs(errors).mean())
 
 
 def _by_point(data: DataSet, quantity: str, side: str, grid: str, model: str) -> dict[int, float]:

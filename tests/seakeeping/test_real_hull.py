@@ -26,9 +26,8 @@ from ship_gym.seakeeping.radiation_diffraction import diffraction, radiation
 from ship_gym.seakeeping.snnm import added_resistance, snnm_hull
 from ship_gym.ships.loader import load_ship
 
-# GPL, not in the package: beside a checkout, or beside the worktrees of one
-PLACES = (Path(__file__).resolve().parents[3] / "shared", Path("/work/shared"))
-FILES = [p for place in PLACES if (p := place / "reference" / "dtc_hull.stl.gz").is_file()]
+# GPL, not in the package: beside a checkout
+FILE = Path(__file__).resolve().parents[3] / "shared" / "reference" / "dtc_hull.stl.gz"
 FROUDE = 0.14
 RATIO = np.array([0.3, 0.4, 0.5, 0.65, 0.8, 0.9, 1.0, 1.2, 1.6])
 HEADINGS_DEG = (90.0, 120.0, 150.0)
@@ -40,7 +39,7 @@ HEAVE_GAP = 0.06  # of the wave amplitude
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.skipif(not FILES, reason="the published DTC geometry is not here"),
+    pytest.mark.skipif(not FILE.is_file(), reason="the published DTC geometry is not here"),
 ]
 
 
@@ -75,7 +74,7 @@ def both(tmp_path_factory):
         pytest.importorskip(library)
     ship = load_ship("dtc")
     path = tmp_path_factory.mktemp("dtc") / "dtc.stl"
-    path.write_bytes(gzip.decompress(FILES[0].read_bytes()))
+    path.write_bytes(gzip.decompress(FILE.read_bytes()))
     place = {"scale": 59.407, "midship": 177.5, "waterline": 0.2440 * 59.407}
     meshes = read_hull(path, ship, **place), parametric_mesh(ship)
     return [in_waves(ship, mesh) for mesh in meshes]

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from ship_gym.config import ConfigError
-from ship_gym.reports.surrogate_printed import mean_size, printed_errors, printed_totals
+from ship_gym.reports.surrogate_printed import printed_errors, printed_totals
+from ship_gym.surrogates.base import mean_size
 from ship_gym.surrogates.error_budget import error_budget, sigma_n
 from ship_gym.surrogates.fit import Options, fit, noise_of
 from ship_gym.surrogates.samples import KCS, ONRT, SINGLE
