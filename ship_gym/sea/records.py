@@ -86,7 +86,7 @@ class Waters:
     records : numpy.ndarray
         SEA_DTYPE, shape (n,).
     waves : numpy.ndarray
-        Shape (n, N, 6), columns of ``physics.waves``; set by ``physics.waves.set_waves``.
+        Shape (n, 6, N), rows of ``physics.waves``; set by ``physics.waves.set_waves``.
     components : numpy.ndarray
         Shape (n, N, 3): amplitude [m], frequency [rad/s] and direction relative to the sea's main
         one [rad], from which `waves` are set.
@@ -108,7 +108,7 @@ class Waters:
     @property
     def n_waves(self) -> int:
         """Number of waves."""
-        return self.waves.shape[1]
+        return self.waves.shape[2]
 
     @property
     def n_phases(self) -> int:
@@ -187,7 +187,7 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
     breaks = np.flatnonzero(np.diff(first.direction)) + 1
     groups = np.array([0, *breaks.tolist(), count] if count else [0], dtype=np.int64)
     response = _stacked(responses) if responses else BLANK_RESPONSE
-    waves = np.zeros((len(ships), count, N_WAVE))
+    waves = np.zeros((len(ships), N_WAVE, count))
     table = np.stack(winds) if winds else np.zeros((1, 2, 3))
     return Waters(records, waves, components, groups, response, table)
 

@@ -14,7 +14,7 @@ from ship_gym.sea.wave_table import MODES, WaveTable
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 
-N_WAVE = 6  # columns of one wave, see ``physics.waves``
+N_WAVE = 6  # numbers of one wave, see ``physics.waves``
 N_RESPONSE = 9  # channels of `wave_response`
 SPEED_STEP = 0.05  # of the Froude number
 BLANK_RESPONSE = np.zeros((1, 2, 2, 0, N_RESPONSE))

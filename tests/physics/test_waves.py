@@ -9,9 +9,12 @@ import pytest
 from ship_gym.conventions import PSI, WAVE
 from ship_gym.physics.angles import cos_sin_of_turns
 from ship_gym.physics.waves import (
+    AMPLITUDE,
+    DIRECTION,
     WAVE_SWAY,
     WAVE_YAW,
     WAVE_YAW_RATE,
+    met_waves,
     wave_loads,
 )
 from ship_gym.sea.spectra import WaveSystem
@@ -71,12 +74,12 @@ def loads(sim, time, body, mean_only=False):
 def coefficients(ship, sim, psi, u):
     """Drift coefficients and complex motions of each wave, by numpy from the response table."""
     waves, response = sim.water.waves[0], sim.water.response[0]
-    mu = (psi - waves[:, 5] + np.pi) % (2.0 * np.pi) - np.pi
+    mu = (psi - waves[DIRECTION] + np.pi) % (2.0 * np.pi) - np.pi
     side, mu = np.where(mu >= 0.0, 1.0, -1.0), np.abs(mu)
     i, j = u / SPEED_STEP, mu / (np.pi / 12)
     i0, j0 = int(i), np.minimum(j.astype(int), 11)
     w, q = i - i0, (j - j0)[:, None]
-    k = np.arange(len(waves))
+    k = np.arange(waves.shape[1])
     low = (1 - q) * response[i0, j0, k] + q * response[i0, j0 + 1, k]
     high = (1 - q) * response[i0 + 1, j0, k] + q * response[i0 + 1, j0 + 1, k]
     T = (1 - w) * low + w * high
@@ -92,19 +95,26 @@ SEA = Sea(
 )
 
 
+def test_waves_are_met_at_the_place_of_the_ship_and_each_as_if_alone(ship):
+    """Vector instructions do some waves together and the rest one by one: the same bits."""
+    waves, time = made(ship, dataclasses.replace(SEA, wave_count=37)).water.waves[0], 77.0
+    a, omega, k_north, k_east, phase, _ = waves
+    u, v, _, x, y, psi = BODY
+    theta = omega * time - k_north * x - k_east * y + 2.0 * np.pi * phase
+    north, east = u * np.cos(psi) - v * np.sin(psi), u * np.sin(psi) + v * np.cos(psi)
+    met = met_waves(time, BODY, waves)
+    np.testing.assert_allclose(met[0] + 1j * met[1], a * np.exp(1j * theta), atol=1e-10)
+    np.testing.assert_allclose(met[2], omega - k_north * north - k_east * east, rtol=1e-12)
+    alone = [met_waves(time, BODY, np.ascontiguousarray(waves[:, k : k + 1])) for k in range(37)]
+    assert (np.concatenate(alone, axis=1) == met).all()
+
+
 def test_drift_is_the_double_sum_of_newman_with_the_arithmetic_mean(ship):
     """F = sum_mn a_m a_n (T_m + T_n)/2 cos(theta_m - theta_n), exactly."""
     sim = made(ship, SEA)
     waves, time = sim.water.waves[0], 77.0
-    a, theta = (
-        waves[:, 0],
-        (
-            waves[:, 1] * time
-            - waves[:, 2] * BODY[3]
-            - waves[:, 3] * BODY[4]
-            + 2.0 * np.pi * waves[:, 4]
-        ),
-    )
+    a, omega, k_north, k_east, phase, _ = waves
+    theta = omega * time - k_north * BODY[3] - k_east * BODY[4] + 2.0 * np.pi * phase
     T = coefficients(ship, sim, BODY[5], BODY[0])[:, :3]
     cosine = np.outer(a, a) * np.cos(theta[:, None] - theta[None, :])
     expected = [(cosine * 0.5 * (T[:, None, k] + T[None, :, k])).sum() for k in range(3)]
@@ -122,7 +132,7 @@ def test_time_mean_of_the_drift_is_that_of_the_spectrum(ship):
     """2 Int S T d omega = sum a^2 T, which `mean` gives at every time."""
     sim = made(ship, irregular_sea(3.0, 9.0, direction_from=1.0))
     T = coefficients(ship, sim, BODY[5], BODY[0])[:, :3]
-    expected = (sim.water.waves[0][:, :1] ** 2 * T).sum(axis=0)
+    expected = sim.water.waves[0][AMPLITUDE] ** 2 @ T
     np.testing.assert_allclose(loads(sim, 5.0, BODY, mean_only=True)[:3], expected, rtol=1e-9)
     still = (BODY[0], *BODY[1:])
     times = np.arange(0.0, 60000.0, 1.7)
@@ -134,7 +144,7 @@ def test_motion_is_the_sum_of_response_times_wave_and_its_rate_the_derivative(sh
     sim = made(ship, SEA)
     T = coefficients(ship, sim, BODY[5], BODY[0])
     waves = sim.water.waves[0]
-    variance = 0.5 * (waves[:, 0] ** 2 * (T[:, 7] ** 2 + T[:, 8] ** 2)).sum()
+    variance = 0.5 * (waves[AMPLITUDE] ** 2 * (T[:, 7] ** 2 + T[:, 8] ** 2)).sum()
     times = np.arange(0.0, 20000.0, 0.9)
     yaw = np.array([loads(sim, t, BODY)[WAVE_YAW] for t in times])
     assert yaw.std() == pytest.approx(math.sqrt(variance), rel=0.03)
