@@ -18,7 +18,7 @@ from pathlib import Path
 import numba
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-_KERNEL_SOURCES = ("conventions.py", "physics/*.py", "tasks/*.py")
+_KERNEL_SOURCES = ("conventions.py", "physics/*.py", "tracks/*.py", "tasks/*.py")
 
 
 def source_hash() -> str:

@@ -1,0 +1,19 @@
+"""Tracks to sail: way-points, named shapes, random tracks, files, and where a ship is on a leg.
+
+``guidance`` holds kernels and is imported by who needs it, so that this package stays light.
+"""
+
+from ship_gym.tracks.files import load_track, save_track
+from ship_gym.tracks.generator import n_draws, random_points
+from ship_gym.tracks.shapes import SHAPES, shape_track
+from ship_gym.tracks.track import Track
+
+__all__ = [
+    "SHAPES",
+    "Track",
+    "load_track",
+    "n_draws",
+    "random_points",
+    "save_track",
+    "shape_track",
+]

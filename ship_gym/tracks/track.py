@@ -1,0 +1,157 @@
+"""`Track`: way-points joined by straight legs, checked once."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+
+from ship_gym.config import ConfigError, check_angle, check_number
+from ship_gym.conventions import wrap_angle
+
+SHORTEST_LEG = 1e-3  # [m]; shorter is a way-point given twice
+FARTHEST = 1e9  # [m] from north = east = 0; more is no place on Earth
+SHARPEST_TURN = math.radians(150.0)  # beyond it the ship would sail back along the leg
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Track:
+    """Way-points joined by straight legs.
+
+    Attributes
+    ----------
+    points : numpy.ndarray, shape (W, 2)
+        North and east [m] of W >= 2 way-points; float64, read-only. Any list that makes such an
+        array is accepted. Messages count way-points from 0.
+    origin_deg : tuple of float, optional
+        WGS84 latitude and longitude [deg] of north = east = 0, if the track is from a chart.
+
+    Raises
+    ------
+    ConfigError
+        Not a list of pairs of numbers, fewer than two points, a number that is not finite, a leg
+        shorter than 1 mm, a turn sharper than 150 deg; the message names the way-point.
+    """
+
+    points: np.ndarray
+    origin_deg: tuple[float, float] | None = None
+
+    def __post_init__(self):
+        points = _array_of(self.points)
+        points.setflags(write=False)
+        object.__setattr__(self, "points", points)
+        if self.origin_deg is not None:
+            object.__setattr__(self, "origin_deg", checked_origin(self.origin_deg))
+        for i in np.flatnonzero(~(self.leg_lengths >= SHORTEST_LEG))[:1]:
+            raise ConfigError(
+                f"way-point {i + 1} = {points[i + 1].tolist()}: {self.leg_lengths[i]:.3g} m from "
+                f"the one before, at least {SHORTEST_LEG:g} m is needed; is it there twice?"
+            )
+        sharp = np.abs(self.course_changes) > SHARPEST_TURN * (1.0 + 1e-12)
+        for i in np.flatnonzero(sharp)[:1]:
+            raise ConfigError(
+                f"way-point {i + 1} = {points[i + 1].tolist()}: the track turns by "
+                f"{math.degrees(self.course_changes[i]):.1f} deg, allowed is "
+                f"{math.degrees(SHARPEST_TURN):.0f} deg to either side"
+            )
+
+    @property
+    def leg_lengths(self) -> np.ndarray:
+        """Lengths of the legs [m], shape (W - 1,)."""
+        north, east = np.diff(self.points, axis=0).T
+        return np.hypot(north, east)
+
+    @property
+    def leg_bearings(self) -> np.ndarray:
+        """Bearings of the legs [rad] from north, clockwise, in [-pi, pi]; shape (W - 1,)."""
+        north, east = np.diff(self.points, axis=0).T
+        return np.arctan2(east, north)
+
+    @property
+    def course_changes(self) -> np.ndarray:
+        """Changes of course at the inner way-points [rad], (-pi, pi], positive to starboard.
+
+        Shape (W - 2,).
+        """
+        return -wrap_angle(-np.diff(self.leg_bearings))
+
+    @property
+    def distances(self) -> np.ndarray:
+        """Distance sailed at each way-point [m], from 0 at the first; shape (W,)."""
+        return np.concatenate([[0.0], np.cumsum(self.leg_lengths)])
+
+    @property
+    def total_length(self) -> float:
+        """Length of the track [m]."""
+        return float(self.distances[-1])
+
+    @property
+    def projection(self) -> str:
+        """How the track came from the chart: a PROJ definition, or ``"none, metres"``."""
+        return "none, metres" if self.origin_deg is None else proj_definition(self.origin_deg)
+
+    def scaled(self, factor: float) -> Track:
+        """The same track `factor` times as large, about north = east = 0.
+
+        Makes a track in units of ship length one in metres, or a full-scale one a model's.
+        """
+        return Track(self.points * check_number("factor", factor, 1e-9, 1e9))
+
+    def moved(self, north: float, east: float, turn: float = 0.0) -> Track:
+        """The track turned about north = east = 0, then shifted.
+
+        Parameters
+        ----------
+        north, east : float
+            Shift [m].
+        turn : float
+            Angle [rad], clockwise: it is added to every bearing.
+        """
+        cos, sin = math.cos(check_angle("turn", turn)), math.sin(turn)
+        shift = check_number("north", north, unit="m"), check_number("east", east, unit="m")
+        x, y = self.points.T
+        return Track(np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1) + shift)
+
+    def to_list(self) -> list[list[float]]:
+        """Way-points as plain lists ``[[north, east], ...]`` [m], for TOML or JSON."""
+        return self.points.tolist()
+
+
+def proj_definition(origin_deg: tuple[float, float]) -> str:
+    """PROJ definition of the azimuthal equidistant projection about a latitude and longitude."""
+    latitude, longitude = origin_deg
+    return f"+proj=aeqd +lat_0={latitude!r} +lon_0={longitude!r} +datum=WGS84 +units=m"
+
+
+def checked_origin(origin_deg: Any) -> tuple[float, float]:
+    """Latitude and longitude [deg] as floats, or ConfigError."""
+    try:
+        latitude, longitude = origin_deg
+    except (TypeError, ValueError):
+        raise ConfigError(
+            f"origin_deg = {origin_deg!r}: must be (latitude, longitude) [deg]"
+        ) from None
+    return (
+        check_number("origin_deg latitude", latitude, -90.0, 90.0, "deg"),
+        check_number("origin_deg longitude", longitude, -180.0, 180.0, "deg"),
+    )
+
+
+def _array_of(points: Any) -> np.ndarray:
+    """A new float64 array (W, 2) of finite numbers, or ConfigError."""
+    try:
+        found = np.asarray(points)
+    except ValueError:  # rows of different length
+        found = np.empty(0, dtype=object)
+    if found.ndim != 2 or found.shape[1] != 2 or found.dtype.kind not in "fiu":
+        raise ConfigError("track: must be a list of way-points [north, east] in metres")
+    if len(found) < 2:
+        raise ConfigError(f"track: {len(found)} way-point; a track needs at least 2")
+    found = found.astype(np.float64)  # a copy: the caller may change his
+    for i in np.flatnonzero(~(np.abs(found) <= FARTHEST).all(axis=1))[:1]:
+        raise ConfigError(
+            f"way-point {i} = {found[i].tolist()}: must be two finite numbers up to {FARTHEST:g} m"
+        )
+    return found
