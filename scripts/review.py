@@ -37,13 +37,15 @@ def read(path: Path) -> tuple[dict, dict[str, float]]:
 def main() -> None:
     args = arguments()
     found = {str(path): read(path) for path in progress(args.files, "reading")}
-    kept = ("controller", "seed", "terminated")
+    kept = ("task", "controller", "seed", "outcome")
     rows = [["metric", "unit", *found]]
     rows += [[k, "", *(str(meta[k]) for meta, _ in found.values())] for k in kept]
     rows.append(["ship", "", *(meta["ship"]["name"] for meta, _ in found.values())])
     form = repr if args.csv else "{:.5g}".format
     for name, metric in METRICS.items():
-        rows.append([name, metric.unit, *(form(values[name]) for _, values in found.values())])
+        cells = [form(v[name]) if name in v else "" for _, v in found.values()]
+        if any(cells):
+            rows.append([name, metric.unit, *cells])
     data = {path: {k: meta[k] for k in kept} | {"metrics": m} for path, (meta, m) in found.items()}
     show(args.json, data, "\n".join(map(",".join, rows)) if args.csv else aligned(rows))
 

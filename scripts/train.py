@@ -21,6 +21,7 @@ def main() -> None:
     args.add_argument("--scenario", help="name or TOML file (default heading_keeping)")
     args.add_argument("--ship", help="name or ship file (default: the scenario's, kcs)")
     args.add_argument("--control", help="rudder (default) or rudder+rpm")
+    args.add_argument("--privileged", action="store_true", default=None, help="see sea and forces")
     args.add_argument("--algorithm", help="ppo (default), sac or td3")
     args.add_argument("--hyperparameters", help="TOML file (default: agents/sb3/hyperparameters)")
     args.add_argument("--envs", type=int, help="environments (default: the hyperparameters')")

@@ -14,11 +14,16 @@ __version__ = "0.1.0"
 
 # public name -> module that defines it
 _PUBLIC = {
+    "CourseChanging": "ship_gym.envs.course_changing",
+    "DiscreteRudder": "ship_gym.envs.discrete",
+    "HeadingKeeping": "ship_gym.envs.heading_keeping",
     "Sea": "ship_gym.sea.state",
     "Ship": "ship_gym.ships.particulars",
     "ShipEnv": "ship_gym.envs.env",
     "ShipSim": "ship_gym.simulation",
     "ShipVectorEnv": "ship_gym.envs.vector_env",
+    "Track": "ship_gym.tracks.track",
+    "TrackFollowing": "ship_gym.envs.track_following",
     "Trajectory": "ship_gym.recording.trajectory",
     "available_scenarios": "ship_gym.scenarios.scenario",
     "available_seas": "ship_gym.sea.state",
@@ -27,6 +32,7 @@ _PUBLIC = {
     "load_scenario": "ship_gym.scenarios.scenario",
     "load_sea": "ship_gym.sea.state",
     "load_ship": "ship_gym.ships.loader",
+    "load_track": "ship_gym.tracks.files",
     "load_wave_table": "ship_gym.sea.wave_response",
     "scaled": "ship_gym.ships.scaling",
 }

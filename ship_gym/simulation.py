@@ -28,7 +28,7 @@ from ship_gym.physics.dynamics import forces as ship_forces
 from ship_gym.physics.dynamics import over_ground
 from ship_gym.physics.step import see_waves, step_batch, step_batch_parallel
 from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_waves
-from ship_gym.sea.records import waters
+from ship_gym.sea.records import Waters, waters
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet
@@ -170,6 +170,10 @@ class ShipSim:
                 phases = uniform[row, -water.n_waves :]
                 set_waves(water.components[i], waves_to[row], phases, water.waves[i])
             see_waves(which, self.time, self.state, *self._field, self.waves)
+
+    def set_water(self, water: Waters) -> None:
+        """Replace the seas of all ships, as ``sea.records.waters`` makes them; then `set_sea`."""
+        self.water, self.seas = water, water.records
 
     @property
     def _field(self):

@@ -207,6 +207,7 @@ def run_config(
     *,
     ship: str | None = None,
     control: str | None = None,
+    privileged: bool | None = None,
     overrides: Mapping[str, Any] | None = None,
     hyperparameters: str | Path | Mapping[str, Any] | None = None,
     envs: int | None = None,
@@ -218,7 +219,7 @@ def run_config(
     ----------
     algorithm : str
         ``"ppo"``, ``"sac"`` or ``"td3"``.
-    scenario, ship, control, overrides
+    scenario, ship, control, privileged, overrides
         As in ``ShipEnv``.
     hyperparameters, envs
         As in `load_hyperparameters`.
@@ -230,7 +231,7 @@ def run_config(
         Anything unknown or not allowed.
     """
     hyper = load_hyperparameters(algorithm, hyperparameters, envs)
-    resolved, _ = resolved_scenario(scenario, ship, control, None, overrides)
+    resolved, _ = resolved_scenario(scenario, ship, control, None, privileged, overrides)
     load_ship(resolved.ship, surrogate=resolved.surrogate)  # refuses an unknown one now
     if seed < 0:
         raise ConfigError(f"seed = {seed}: must not be negative")

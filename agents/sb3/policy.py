@@ -22,7 +22,7 @@ from ship_gym.envs.episodes import N_ACTIONS
 from ship_gym.provenance import atomic_path
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
-from ship_gym.tasks.heading import OBSERVATIONS
+from ship_gym.tasks import observations_of
 
 POLICY_FILE = "policy.zip"
 FORMAT = 1
@@ -37,7 +37,7 @@ class Normaliser:
     Attributes
     ----------
     mean, scale : numpy.ndarray
-        Of each observation, shape (9,).
+        Of each observation, shape (n_observations,).
     limit : float
     """
 
@@ -46,7 +46,7 @@ class Normaliser:
     limit: float
 
     def __call__(self, observations: np.ndarray) -> np.ndarray:
-        """Scaled observations, shape (count, 9)."""
+        """Scaled observations, shape (count, n_observations)."""
         return np.clip((observations - self.mean) / self.scale, -self.limit, self.limit)
 
 
@@ -70,7 +70,7 @@ class Actor:
     output: str
 
     def __call__(self, scaled: np.ndarray) -> np.ndarray:
-        """Actions (count, n_actions) for scaled observations (count, 9)."""
+        """Actions (count, n_actions) for scaled observations (count, n_observations)."""
         activation, last = ACTIVATIONS[self.activation], len(self.weights) - 1
         for k, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
             scaled = scaled @ weight.T + bias
@@ -104,7 +104,7 @@ class SB3Policy:
         Raises
         ------
         ConfigError
-            The scenario's control takes another number of actions than the policy gives.
+            The scenario has other actions or observations than the policy.
         """
         if N_ACTIONS[scenario.control] != self.n_actions:
             fitting = [name for name, n in N_ACTIONS.items() if n == self.n_actions]
@@ -113,9 +113,16 @@ class SB3Policy:
                 f"{scenario.control!r} takes {N_ACTIONS[scenario.control]}; it was trained for "
                 f"control = {fitting[0]!r}"
             )
+        names = observation_names(scenario.to_dict())
+        if self.card.get("observations", names) != names:
+            raise ConfigError(
+                f"policy {self.name}: trained on {self.card['config']['scenario']['task']!r} with "
+                f"{len(self.card['observations'])} observations; task {scenario.task!r}, "
+                f"privileged = {scenario.privileged}, has {len(names)}"
+            )
 
     def act(self, observations: np.ndarray) -> np.ndarray:
-        """Actions in [-1, 1], shape (count, n_actions), for observations of shape (count, 9)."""
+        """Actions in [-1, 1], shape (count, n_actions), for (count, n_observations)."""
         return self.actor(self.normaliser(np.asarray(observations, dtype=np.float64)))
 
 
@@ -179,8 +186,14 @@ def _normaliser(scaling: dict[str, np.ndarray]) -> Normaliser:
     return Normaliser(scaling["mean"], scaling["scale"], float(scaling["limit"]))
 
 
+def observation_names(scenario: Mapping[str, Any]) -> list[str]:
+    """Symbols of the observation of a scenario, given as ``Scenario.to_dict`` has it."""
+    rows = observations_of(scenario["task"], scenario.get("privileged", False))
+    return [row[0] for row in rows]
+
+
 def _check(policy: SB3Policy, file: Path) -> None:
-    names = [row[0] for row in OBSERVATIONS]
+    names = observation_names(policy.card["config"]["scenario"])
     if policy.card["format"] != FORMAT or policy.card["observations"] != names:
         raise ConfigError(
             f"{file}: made for format {policy.card['format']} and observations "

@@ -18,13 +18,18 @@ import numpy as np
 
 from agents.sb3.budget import Budget
 from agents.sb3.config import CARD_FILE, RunConfig, plain, read_card
-from agents.sb3.policy import POLICY_FILE, SB3Policy, load_policy, save_policy
+from agents.sb3.policy import (
+    POLICY_FILE,
+    SB3Policy,
+    load_policy,
+    observation_names,
+    save_policy,
+)
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.metrics import metrics
 from ship_gym.evaluation.rollout import rollout
 from ship_gym.provenance import atomic_path, provenance
 from ship_gym.scenarios.scenario import Scenario
-from ship_gym.tasks.heading import OBSERVATIONS
 
 try:
     import torch
@@ -203,7 +208,7 @@ class _Run:
         self.validations.append(found)
         if self.best is None or found["return"] > max(returns):
             self.best = now
-        for name in ("J", "return"):
+        for name in found.keys() - {"success"}:
             self.model.logger.record(f"validation/{name}", found[name])
         self.model.logger.dump(self.model.num_timesteps)
         return self._write(status)
@@ -219,7 +224,7 @@ class _Run:
             "validation_seeds": [VALIDATION_SEED, VALIDATION_SEED + VALIDATION_EPISODES - 1],
             "validations": self.validations,
             "best": max(self.validations, key=lambda found: found["return"]),
-            "observations": [row[0] for row in OBSERVATIONS],
+            "observations": observation_names(self.config.scenario.to_dict()),
             **provenance(),
         }
         self.best.card = card
@@ -236,11 +241,13 @@ def validate(policy: SB3Policy, scenario: Scenario) -> dict[str, float]:
     Returns
     -------
     dict
-        ``J`` with lambda = 0.1 [deg2], ``return`` (sum of rewards) and ``success``.
+        ``J`` with lambda = 0.1 [deg2], of tracks ``rms_cross_track`` [L]; ``return`` (sum of
+        rewards) and ``success``.
     """
     seeds = range(VALIDATION_SEED, VALIDATION_SEED + VALIDATION_EPISODES)
     found = [metrics(episode) for episode in rollout(policy, scenario, seeds=seeds).episodes]
-    names = {"J": "J_0.1", "return": "return", "success": "success"}
+    error = {"rms_cross_track": "rms_cross_track"} if scenario.on_track else {"J": "J_0.1"}
+    names = {**error, "return": "return", "success": "success"}
     return {k: float(np.mean([m[name] for m in found])) for k, name in names.items()}
 
 

@@ -7,7 +7,7 @@ call instead of n scalar environments, and builds no info for an episode that is
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -34,7 +34,7 @@ class ShipVecEnv(VecEnv):
         Let the first episodes after a reset end early, at random times drawn from the seed. The
         environments are then spread over all phases of an episode; without it a short rollout
         sees n starts and the next n steady voyages.
-    ship, control, surrogate, scenario, overrides, parallel
+    ship, control, surrogate, scenario, privileged, overrides, parallel
         As in ``ShipVectorEnv``; the autoreset mode is given by stable-baselines3.
     """
 
@@ -42,10 +42,11 @@ class ShipVecEnv(VecEnv):
         self,
         num_envs: int,
         stagger: bool = False,
-        ship: str | Ship | None = None,
+        ship: str | Ship | Sequence[str | Ship] | None = None,
         control: str | None = None,
         surrogate: str | None = None,
         scenario: str | Mapping[str, Any] | Scenario = "heading_keeping",
+        privileged: bool | None = None,
         overrides: Mapping[str, Any] | None = None,
         parallel: bool | None = None,
     ):
@@ -55,6 +56,7 @@ class ShipVecEnv(VecEnv):
             control,
             surrogate,
             scenario,
+            privileged,
             overrides,
             autoreset_mode="SameStep",
             parallel=parallel,
@@ -67,7 +69,7 @@ class ShipVecEnv(VecEnv):
         self._born = time.monotonic()
 
     def reset(self) -> np.ndarray:
-        """Begin new episodes everywhere with the seeds of `seed`; float32, shape (n, 9)."""
+        """Begin new episodes everywhere with the seeds of `seed`; float32 (n, n_observations)."""
         seeds = self._seeds if self._seeds[0] is not None else None
         observations, _ = self.env.reset(seed=seeds)
         if self.stagger:
@@ -85,7 +87,7 @@ class ShipVecEnv(VecEnv):
         self._actions = np.asarray(actions, dtype=np.float32)
 
     def step_wait(self):
-        """Sail one interval: observations (n, 9), rewards (n,), dones (n,), infos [n dicts]."""
+        """Sail one interval: observations, rewards (n,), dones (n,), infos [n dicts]."""
         observations, rewards, terminated, truncated, batch = self.env.step(self._actions)
         self._returns += rewards
         self._lengths += 1

@@ -2,52 +2,77 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, check_known
 from ship_gym.envs.episodes import N_ACTIONS, EpisodeBatch
+from ship_gym.envs.view import RENDER_MODES, Screen
 from ship_gym.scenarios.scenario import Scenario, load_scenario
+from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
-from ship_gym.tasks.heading import OBSERVATION_HIGH, OBSERVATION_LOW
+from ship_gym.tasks import observations_of
 
 _ALL = np.array([0])
+Given = str | Ship | None
 
 
 def resolved_scenario(
     scenario: str | Mapping[str, Any] | Scenario,
-    ship: str | Ship | None,
+    ship: Given,
     control: str | None,
     surrogate: str | None,
+    privileged: bool | None,
     overrides: Mapping[str, Any] | None,
 ) -> tuple[Scenario, Ship | None]:
     """Scenario with the arguments of an environment applied, and the ship if it is an object."""
     changes = dict(overrides or {})
+    given = {"ship": ship, "surrogate": surrogate, "control": control, "privileged": privileged}
     if isinstance(ship, Ship):
         if surrogate is not None:
             raise ConfigError(
                 f"surrogate = {surrogate!r}: the ship given as an object brings its own, "
                 f"{ship.surrogate_name!r}"
             )
-        given = {"ship": ship.name, "surrogate": ship.surrogate_name, "control": control}
-    else:
-        given = {"ship": ship, "surrogate": surrogate, "control": control}
+        given |= {"ship": ship.name, "surrogate": ship.surrogate_name}
     changes.update({key: value for key, value in given.items() if value is not None})
     if isinstance(scenario, Scenario):
         scenario = scenario.to_dict()
     return load_scenario(scenario, changes), ship if isinstance(ship, Ship) else None
 
 
-def check_render_mode(render_mode: str | None) -> None:
-    """Refuse a render mode; recordings are the way to look at a rollout."""
-    if render_mode is not None:
-        raise ConfigError(
-            f"render_mode = {render_mode!r}: allowed is None; record a rollout with "
-            "scripts/record.py and look at it with rerun"
+def resolved_fleet(
+    scenario: str | Mapping[str, Any] | Scenario,
+    ships: Given | Sequence[str | Ship],
+    control: str | None,
+    surrogate: str | None,
+    privileged: bool | None,
+    overrides: Mapping[str, Any] | None,
+) -> tuple[Scenario, Ship | list[Ship] | None]:
+    """As `resolved_scenario`, for one ship or several; the scenario names the first of several."""
+    if ships is None or isinstance(ships, str | Ship):
+        return resolved_scenario(scenario, ships, control, surrogate, privileged, overrides)
+    if len(ships) == 0:
+        raise ConfigError("ship = []: a fleet needs at least one ship")
+    found, fleet = None, []
+    for ship in ships:
+        resolved, given = resolved_scenario(
+            scenario, ship, control, surrogate, privileged, overrides
         )
+        fleet.append(
+            load_ship(resolved.ship, surrogate=resolved.surrogate) if given is None else given
+        )
+        found = found or resolved
+    return found, fleet
+
+
+def check_render_mode(render_mode: str | None) -> None:
+    """Refuse an unknown render mode."""
+    if render_mode is not None:
+        check_known("render_mode", render_mode, RENDER_MODES)
 
 
 def action_space(scenario: Scenario) -> gym.spaces.Box:
@@ -55,106 +80,61 @@ def action_space(scenario: Scenario) -> gym.spaces.Box:
     return gym.spaces.Box(-1.0, 1.0, (N_ACTIONS[scenario.control],), np.float32)
 
 
-def observation_space() -> gym.spaces.Box:
-    """Box of shape (9,), float32, with the documented bounds."""
-    return gym.spaces.Box(OBSERVATION_LOW, OBSERVATION_HIGH, dtype=np.float32)
+def observation_space(scenario: Scenario) -> gym.spaces.Box:
+    """Box of float32 with the documented bounds."""
+    rows = observations_of(scenario.task, scenario.privileged)
+    low = np.array([row[2] for row in rows], dtype=np.float32)
+    high = np.array([row[3] for row in rows], dtype=np.float32)
+    return gym.spaces.Box(low, high, dtype=np.float32)
 
 
 class ShipEnv(gym.Env):
-    """Hold an ordered heading against current and a slowly varying disturbance.
+    """A ship in a scenario: any task, any ship; the ids are its subclasses.
 
-    ## Description
-    A ship (default: the KRISO container ship at 14.5 kn, 230 m) sails by a 3-DoF MMG model with a
-    propeller and rudder trained on CFD. The episode starts on a straight course with a heading
-    error to remove; then a uniform current and a random low-frequency sway force and yaw moment
-    push the ship off, and the autopilot holds the ordered heading with as little rudder as it can.
-    With `scenario="heading_seaway"` irregular waves and gusting wind do that instead.
-    The command passes a rate-limited steering gear and, with rpm control, an engine with lag.
-
-    ## Action Space
-    `Box(-1, 1, (1,), float32)` for `control="rudder"`, `(2,)` for `control="rudder+rpm"`.
-
-    | Num | Action | Control | Meaning |
-    | --- | --- | --- | --- |
-    | 0 | rudder command | -1 to 1 | times delta_max (35 deg); positive turns to starboard |
-    | 1 | propeller speed command | -1 to 1 | from 0 to n_max; without it: self-propulsion |
-
-    Values outside are limited; NaN or a wrong shape is an error.
-
-    ## Observation Space
-    `Box(float32)` of shape `(9,)`. U0 is the ship's nominal speed, L its length.
-
-    | Num | Symbol | Unit | Min | Max | Meaning |
-    | --- | --- | --- | --- | --- | --- |
-    | 0 | sin(psi_e) | - | -1 | 1 | sine of the heading error psi - psi_ordered |
-    | 1 | cos(psi_e) | - | -1 | 1 | cosine of the heading error |
-    | 2 | r L / U0 | - | -5 | 5 | yaw rate, positive to starboard |
-    | 3 | u / U0 | - | -3 | 3 | surge velocity through the water |
-    | 4 | v / U0 | - | -3 | 3 | sway velocity through the water, positive to starboard |
-    | 5 | delta / delta_max | - | -1 | 1 | rudder angle achieved |
-    | 6 | n / n_max | - | 0 | 1 | propeller speed achieved |
-    | 7 | delta_c / delta_max | - | -1 | 1 | last rudder command |
-    | 8 | n_c / n_max | - | 0 | 1 | last propeller speed command |
-
-    In waves, heading error, yaw rate and sway velocity are measured with the wave-frequency motion
-    on top of the slow motion that rewards and episode ends look at.
-
-    ## Rewards
-    Per control interval, each term times the interval in full-scale seconds; weights are keys of
-    the scenario's `reward` section, values are returned in `info["reward_terms"]`:
-
-    - `heading`: -1.0 psi_e^2 [rad^2]
-    - `rudder`: -0.1 delta^2 [rad^2], so lambda = 0.1 in J = mean(psi_e^2) + lambda mean(delta^2)
-    - `rudder_rate`: -0.002 (rudder change / largest change in one interval)^2
-    - `speed_loss`: -0.05 (1 - u / U0)^2 where u < U0
-    - `termination`: -200 once
-
-    ## Starting State
-    Straight course at U0 and self-propulsion, rudder amidships. Drawn at reset: ordered heading
-    (any), heading error (uniform +-30 deg), current (0 to 1 m/s at full scale, any direction) and
-    the phases of the disturbance (spectrum in `ship_gym/sea/state.py`).
-
-    ## Episode End
-    - Termination: the heading error exceeds 60 deg.
-    - Truncation: 600 s (full scale), inside the environment; no TimeLimit wrapper is needed.
-
-    ## Arguments
-    ```python
-    gym.make("ShipGym/HeadingKeeping-v0", ship="kcs", control="rudder", surrogate=None,
-             overrides={"reward.rudder": 1.0, "duration": 900.0})
-    ```
-
-    - `ship`: one of `ship_gym.available_ships()`, the path of a ship file, or a `Ship`. Times and
-      current of a model are Froude-scaled.
-    - `control`: `"rudder"` or `"rudder+rpm"`.
-    - `surrogate`: `"regression"`, `"gp"`, `"nn"` or another one of
-      `ship_gym.available_surrogates(ship)`; the ship's default if None.
-    - `scenario`: a name of `ship_gym.available_scenarios()`, a TOML file or a mapping.
-    - `overrides`: keys of the scenario, nested or dotted; unknown keys are refused. With
-      `{"randomisation.surrogate_std": 1.0}` each episode sails another draw from the surrogate's
-      standard deviation; what was drawn is `info["randomisation"]`.
-
-    ## Version History
-    - v0: first version; current and random disturbance, no seaway yet.
+    Parameters
+    ----------
+    ship : str or Ship, optional
+        One of ``ship_gym.available_ships()``, the path of a ship file, or a ``Ship``; the
+        scenario's if None. Times, sea and current of a model are Froude-scaled.
+    control : str, optional
+        ``"rudder"`` or ``"rudder+rpm"``.
+    surrogate : str, optional
+        ``"regression"``, ``"gp"``, ``"nn"`` or another one of
+        ``ship_gym.available_surrogates(ship)``; the ship's default if None.
+    scenario : str, mapping or Scenario, optional
+        A name of ``ship_gym.available_scenarios()``, a TOML file or a mapping; the class's own if
+        None.
+    privileged : bool, optional
+        Append waves, wind, current and forces to the observation (``tasks.privileged``).
+    overrides : mapping, optional
+        Keys of the scenario, nested or dotted; unknown keys are refused.
+    render_mode : str, optional
+        ``"rgb_array"`` or ``"human"``.
     """
 
-    metadata = {"render_modes": []}  # noqa: RUF012  Gymnasium's own form
+    metadata = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012
+    scenario_name = "heading_keeping"
 
     def __init__(
         self,
-        ship: str | Ship | None = None,
+        ship: Given = None,
         control: str | None = None,
         surrogate: str | None = None,
-        scenario: str | Mapping[str, Any] | Scenario = "heading_keeping",
+        scenario: str | Mapping[str, Any] | Scenario | None = None,
+        privileged: bool | None = None,
         overrides: Mapping[str, Any] | None = None,
         render_mode: str | None = None,
     ):
         check_render_mode(render_mode)
         self.render_mode = render_mode
-        self.scenario, given = resolved_scenario(scenario, ship, control, surrogate, overrides)
+        scenario = self.scenario_name if scenario is None else scenario
+        self.scenario, given = resolved_scenario(
+            scenario, ship, control, surrogate, privileged, overrides
+        )
         self.episodes = EpisodeBatch(1, self.scenario, given, parallel=False)
-        self.observation_space = observation_space()
+        self.observation_space = observation_space(self.scenario)
         self.action_space = action_space(self.scenario)
+        self._screen = None if render_mode is None else Screen(render_mode, self.episodes)
 
     @property
     def ship(self) -> Ship:
@@ -165,16 +145,33 @@ class ShipEnv(gym.Env):
         """Begin an episode; all its randomness comes from one draw of ``np_random``."""
         super().reset(seed=seed)
         self.episodes.start(_ALL, self.np_random.random((1, self.episodes.n_draws)))
+        if self._screen is not None:
+            self._screen.begin()
         return self.episodes.observations[0].copy(), self.episodes.info_of(0)
 
     def step(self, action):
         """Sail one control interval under one action."""
         episodes = self.episodes
         episodes.step(np.asarray(action)[None])
+        if self._screen is not None:
+            self._screen.follow()
         return (
             episodes.observations[0].copy(),
             float(episodes.rewards[0]),
             bool(episodes.terminated[0]),
             bool(episodes.truncated[0]),
-            self.episodes.info_of(0),
+            episodes.info_of(0),
         )
+
+    def render(self):
+        """Picture of the present instant, uint8 (height, width, 3); None in mode ``"human"``."""
+        if self._screen is None:
+            raise ConfigError(
+                "render without a render mode: make the environment with render_mode='rgb_array'"
+            )
+        return self._screen.picture()
+
+    def close(self) -> None:
+        """Close the live view, if there is one."""
+        if self._screen is not None:
+            self._screen.close()

@@ -3,41 +3,35 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtri
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import (
-    DELTA,
     FLOW_EXTRAPOLATION,
     FLOW_NAMES,
-    FLOW_TORQUE,
     FORCE_COMPONENTS,
     PSI,
     N,
     U,
+    X,
+    Y,
 )
+from ship_gym.envs.plans import plan_maker
+from ship_gym.envs.randomisation import ShipDraws, check_has_std
+from ship_gym.envs.weather import Weathers
 from ship_gym.physics.dynamics import over_ground
 from ship_gym.physics.waves import WAVE_EXTRAPOLATION
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim, self_propulsion
-from ship_gym.tasks import heading
+from ship_gym.tasks import TASKS, bridge, observations_of, privileged
 
 N_ACTIONS = {"rudder": 1, "rudder+rpm": 2}
-# What randomisation draws of a ship's surrogate, and the fields that each draw sets: thrust and
-# torque err together, by the wake. And where the normal distribution is cut.
-SURROGATE_DRAWS = {
-    "propeller": ("z_T", "z_Q"),
-    "side": ("z_S",),
-    "rudder": ("z_N",),
-    "chord": ("z_A",),
-}
-_CUT = 3.0
-_SATURATED = 0.999
+_KEY_BITS = 2.0**32
 
 
 class EpisodeBatch:
@@ -48,63 +42,132 @@ class EpisodeBatch:
     n : int
         Number of episodes.
     scenario : Scenario
-    ship : Ship, optional
-        Instead of the scenario's ship, e.g. one that is not in the package.
+    ship : Ship or sequence of Ship, optional
+        Instead of the scenario's ship, e.g. one that is not in the package. Of several, episode i
+        sails number i modulo their number.
     parallel : bool, optional
         As in ``ShipSim``.
 
     Attributes
     ----------
     observations : numpy.ndarray
-        float32, shape (n, 9).
+        float32, shape (n, n_observations), columns of ``tasks.observations_of``.
     rewards, terminated, truncated : numpy.ndarray
         Shape (n,), of the last interval.
+    outcomes : numpy.ndarray
+        Why an episode terminated, index of ``tasks.bridge.OUTCOMES``, shape (n,).
     terms : numpy.ndarray
-        Reward terms, shape (n, 5), order of ``tasks.heading.REWARD_TERMS``.
+        Reward terms, shape (n, 5), order of ``task.reward_terms``.
+    errors : numpy.ndarray
+        Heading error [rad] or cross-track error [m] at the end of the interval, shape (n,).
+    power, energy, cost, success : numpy.ndarray
+        As in `info`, shape (n,).
+    plans : numpy.ndarray
+        Ordered headings with their times, or way-points north and east [m], shape (n, rows, 2).
     n_draws : int
         Uniform numbers that the start of one episode needs.
     """
 
     def __init__(
-        self, n: int, scenario: Scenario, ship: Ship | None = None, parallel: bool | None = None
+        self,
+        n: int,
+        scenario: Scenario,
+        ship: Ship | Sequence[Ship] | None = None,
+        parallel: bool | None = None,
     ):
-        self.scenario = scenario
-        self.ship = load_ship(scenario.ship, surrogate=scenario.surrogate) if ship is None else ship
-        self._surrogate_std = scenario.randomisation.surrogate_std
-        if self._surrogate_std > 0.0:
-            check_has_std(self.ship)
-        self.sim = ShipSim(self.ship, n, scenario.sea.sea().scaled(self.ship.scale), parallel)
-        self._largest = self.sim.water.components[0, :, 0].copy()  # amplitudes at `wave_height`
-        extra = 3 if scenario.sea.wave_height > 0.0 or scenario.sea.wind_speed > 0.0 else 0
-        drawn = len(SURROGATE_DRAWS) if self._surrogate_std > 0.0 else 0
-        self._draws = np.cumsum([4, self.sim.water.n_phases, extra, drawn]).tolist()
-        self.n_draws = self._draws[-1]
-        self.n = n
+        self.scenario, self.n = scenario, n
+        if ship is None:
+            ship = load_ship(scenario.ship, surrogate=scenario.surrogate)
+        self.fleet = [ship] if isinstance(ship, Ship) else list(ship)
+        self.ships = [self.fleet[i % len(self.fleet)] for i in range(n)]
+        if scenario.randomisation.surrogate_std > 0.0:
+            for one in self.fleet:
+                check_has_std(one)
+        self.task = TASKS[scenario.task]
+        self.sim = ShipSim(self.ships, n, parallel=parallel)
+        kinds = [i % len(self.fleet) for i in range(n)]
+        self._weathers = Weathers(scenario.sea, self.ships, kinds)
+        self.sim.set_water(self._weathers.water)
+        self._plan = plan_maker(scenario, self.ships)
+        self._ship_draws = ShipDraws(scenario.randomisation, self.sim.records)
+        parts = (
+            2,  # ordered heading, heading error
+            self._weathers.n_draws,
+            self._plan.n_draws,
+            len(self._ship_draws.names),
+            1,  # key of the sensors' noise
+            self.sim.water.n_phases,
+        )
+        self._parts = np.cumsum(parts)[:-1].tolist()
+        self.n_draws = sum(parts)
         self.n_actions = N_ACTIONS[scenario.control]
-        self.dt = scenario.control_interval / self.ship.time_unit
-        self.tasks = np.zeros(n, heading.TASK_DTYPE)
-        self._fill_tasks()
+        self._unit = np.array([one.time_unit for one in self.ships])
+        self.dt = scenario.control_interval / self._unit
         self.sim.set_interval(self.dt)
+        self.tasks = np.zeros(n, bridge.TASK_DTYPE)
+        self._fill_tasks()
+        self._make_arrays()
+        self._fails_at = round(scenario.failure.time / scenario.control_interval)
+
+    @property
+    def ship(self) -> Ship:
+        """The ship that sails in every episode.
+
+        Raises
+        ------
+        ConfigError
+            There are several.
+        """
+        if len(self.fleet) > 1:
+            raise ConfigError(
+                f"a mixed fleet of {', '.join(s.name for s in self.fleet)} has no one ship: use "
+                "`ships`"
+            )
+        return self.fleet[0]
+
+    def _make_arrays(self) -> None:
+        n, scenario = self.n, self.scenario
         self._rudder_before = np.zeros(n)
         self._begun = False
-        self.observations = np.zeros((n, heading.N_OBSERVATIONS), dtype=np.float32)
-        self.terms = np.zeros((n, heading.N_TERMS))
+        columns = len(observations_of(scenario.task, scenario.privileged))
+        self.observations = np.zeros((n, columns), dtype=np.float32)
+        self.plans = np.zeros((n, self._plan.rows, 2))
+        self.terms = np.zeros((n, bridge.N_TERMS))
         self.rewards = np.zeros(n)
         self.terminated = np.zeros(n, dtype=np.bool_)
         self.truncated = np.zeros(n, dtype=np.bool_)
         self.elapsed = np.zeros(n, dtype=np.int64)
-        done = (self.terminated, self.truncated)
-        self._verdict = (self.rewards, *done, self.elapsed, scenario.steps)
+        self.outcomes = np.zeros(n, dtype=np.int64)
+        self.errors, self.power = np.zeros(n), np.zeros(n)
+        self.energy, self.cost = np.zeros(n), np.zeros(n)
+        self.success = np.zeros(n, dtype=np.bool_)
+        flags = (self.terminated, self.truncated, self.elapsed, self.outcomes)
+        self._verdict = (self.rewards, *flags, self.errors, scenario.steps)
+        self._ledger = (self.power, self.energy, self.cost, self.success)
 
     def _fill_tasks(self) -> None:
-        ship, scenario, tasks = self.ship, self.scenario, self.tasks
-        tasks["speed"] = ship.speed
-        tasks["n_order"] = self_propulsion(ship, ship.speed)
+        scenario, tasks, unit = self.scenario, self.tasks, self._unit
+        orders = {id(one): self_propulsion(one, one.speed) for one in self.fleet}
+        tasks["speed"] = [one.speed for one in self.ships]
+        tasks["L"] = [one.hull.L for one in self.ships]
+        tasks["n_order"] = [orders[id(one)] for one in self.ships]
         tasks["interval"] = scenario.control_interval
-        tasks["rudder_stroke"] = ship.gear.rate * self.dt
+        tasks["rudder_stroke"] = [one.gear.rate for one in self.ships] * self.dt
         tasks["heading_limit"] = math.radians(scenario.limits.heading_error_deg)
-        for name in heading.REWARD_TERMS:
+        tasks["cross_limit"] = scenario.limits.cross_track * tasks["L"]
+        tasks["acceptance"] = scenario.track.acceptance * tasks["L"]
+        tasks["look_ahead"] = scenario.track.look_ahead * tasks["L"]
+        tasks["error"] = getattr(scenario.reward, scenario.error_term)
+        for name in bridge.COST_TERMS:
             tasks[name] = getattr(scenario.reward, name)
+        sensors = scenario.sensors
+        tasks["noisy"] = sensors.noise
+        self._noise = {
+            "heading_noise": np.full(self.n, math.radians(sensors.heading_deg)),
+            "yaw_rate_noise": math.radians(sensors.yaw_rate_deg_s) * unit,
+            "speed_noise": sensors.speed / unit,
+            "position_noise": sensors.position / (unit * unit) * scenario.on_track,
+        }
 
     def start(self, which: np.ndarray, draws: np.ndarray) -> None:
         """Begin new episodes.
@@ -115,82 +178,64 @@ class EpisodeBatch:
             Indices of the episodes, shape (m,).
         draws : numpy.ndarray
             Uniform numbers in [0, 1), shape (m, n_draws): all randomness of the episodes. Ordered
-            heading, heading error, current speed and direction; phases; then, where the scenario
-            has them, wave height, direction of waves and wind, wind speed; surrogate.
+            heading, heading error; current, then, where the scenario has them, waves and wind;
+            plan; ship; key of the noise; phases of disturbance, gusts and waves.
         """
         sim, tasks = self.sim, self.tasks
-        order = math.pi * (2.0 * draws[:, 0] - 1.0)
-        error = math.radians(self.scenario.start.heading_error_deg) * (2.0 * draws[:, 1] - 1.0)
-        # Froude: speeds of a model are smaller by the square root of its scale
-        speed = self.scenario.sea.current_speed * draws[:, 2] / self.ship.time_unit
-        towards = 2.0 * math.pi * draws[:, 3]
-        # The math module, not numpy, so that every batch size gives the same bits.
-        north = np.array([V * math.cos(a) for V, a in zip(speed, towards, strict=True)])
-        east = np.array([V * math.sin(a) for V, a in zip(speed, towards, strict=True)])
-        seas = sim.seas[which]
-        seas["V_north"], seas["V_east"] = north, east
-        seas["mean_north"], seas["mean_east"] = north, east
-        sim.seas[which] = seas
-        phases, sea, drawn = np.split(draws[:, 4:], [k - 4 for k in self._draws[1:3]], axis=1)
-        waves_to = self._draw_waves_and_wind(which, sea)
-        if self._surrogate_std > 0.0:
-            z = np.clip(ndtri(drawn), -_CUT, _CUT) * self._surrogate_std
-            for fields, column in zip(SURROGATE_DRAWS.values(), z.T, strict=True):
-                for name in fields:
-                    sim.records["surrogate"][name][which] = column
-        tasks["psi_ordered"][which] = order
+        begin, sea, plan, ship, key, phases = np.split(draws, self._parts, axis=1)
+        self._ship_draws.draw(which, ship)
+        tasks["noise_key"][which] = (key[:, 0] * _KEY_BITS).astype(np.int64)
+        for name, size in self._noise.items():
+            tasks[name][which] = size[which] * self._ship_draws.sensor_factor(which)
+        tasks["n_limit"][which], tasks["heading_bias"][which] = np.inf, 0.0
+        sim.records["gear"]["rate"][which] = self._ship_draws.rudder_rate(which)
+        order = math.pi * (2.0 * begin[:, 0] - 1.0)
+        x, y = self._plan.make(which, plan, order, self.plans, tasks)
+        self.task.begin_batch(which, tasks, self.plans)
+        order = tasks["psi_ordered"][which]
+        waves_to = self._weathers.draw(which, sea, order, tasks)
+        error = math.radians(self.scenario.start.heading_error_deg) * (2.0 * begin[:, 1] - 1.0)
         state = np.zeros((len(which), sim.state.shape[1]))
-        state[:, PSI] = order + error
-        state[:, U] = self.ship.speed
-        state[:, N] = tasks["n_order"][which]
-        over_ground(state, seas)
+        state[:, X], state[:, Y], state[:, PSI] = x, y, order + error
+        state[:, U], state[:, N] = tasks["speed"][which], tasks["n_order"][which]
+        over_ground(state, sim.seas[which])
         sim.state[which] = state
         sim.time[which] = 0.0
         sim.forces[which], sim.flow[which] = 0.0, 0.0
         sim.commands[which, 0], sim.commands[which, 1] = 0.0, state[:, N]
-        self.terms[which], self.rewards[which] = 0.0, 0.0
-        self.terminated[which], self.truncated[which] = False, False
-        self.elapsed[which] = 0
+        for values in (self.terms, *self._verdict[:-1], *self._ledger):
+            values[which] = 0
         self._begun = True
         sim.set_sea(which, phases, waves_to)
+        self._fail()
         self.observe()
-
-    def _draw_waves_and_wind(self, which: np.ndarray, uniform: np.ndarray) -> np.ndarray:
-        """Set height of the waves and wind of some episodes; where the waves go to [rad]."""
-        if uniform.shape[1] == 0:
-            return np.zeros(len(which))
-        sea, sim = self.scenario.sea, self.sim
-        if sim.water.n_waves:
-            low = sea.wave_height_min / sea.wave_height
-            share = low + (1.0 - low) * uniform[:, 0]
-            sim.water.components[which, :, 0] = share[:, None] * self._largest
-        towards = math.pi * (2.0 * uniform[:, 1] - 1.0)
-        speed = sea.wind_speed / self.ship.time_unit * uniform[:, 2]
-        seas = sim.seas[which]
-        for k, (V, a) in enumerate(zip(speed.tolist(), towards.tolist(), strict=True)):
-            seas["wind_north"][k], seas["wind_east"][k] = V * math.cos(a), V * math.sin(a)
-        sim.seas[which] = seas
-        return towards
 
     def observe(self) -> None:
         """Refresh the observations from the present states."""
-        sim = self.sim
-        heading.observe_batch(
-            sim.state, sim.waves, sim.commands, sim.records, sim.seas, self.tasks, self.observations
+        sim, seen = self.sim, self.observations
+        self.task.observe_batch(
+            sim.state,
+            sim.waves,
+            sim.commands,
+            sim.records,
+            sim.seas,
+            self.tasks,
+            self.elapsed,
+            seen,
         )
+        if self.scenario.privileged:
+            first = len(self.task.observations)
+            privileged.observe_batch(
+                sim.state, sim.forces, sim.records, sim.seas, self.tasks, first, seen
+            )
 
     def randomisation(self) -> dict[str, np.ndarray]:
         """What was drawn for the ship of each episode, arrays of shape (n,); empty if it is off.
 
-        ``surrogate.propeller`` (thrust and torque), ``surrogate.side`` (propeller side force),
-        ``surrogate.rudder`` (normal force) and ``surrogate.chord``: standard deviations by which
-        the surrogate is moved. The normal force is moved at every rudder angle: at the trained one
-        by the surrogate's standard deviation, amidships by the law's rms error at the samples.
+        Names are those of ``scenarios.sections.Randomisation``; values are factors of the ship
+        file's value, of the surrogate standard deviations by which it is moved.
         """
-        if self._surrogate_std == 0.0:
-            return {}
-        drawn = self.sim.records["surrogate"]
-        return {f"surrogate.{k}": drawn[v[0]].copy() for k, v in SURROGATE_DRAWS.items()}
+        return self._ship_draws.drawn()
 
     def step(self, actions: np.ndarray) -> None:
         """Sail one control interval under actions of shape (n, n_actions)."""
@@ -198,15 +243,34 @@ class EpisodeBatch:
             raise ConfigError("step before reset: call reset first")
         sim, before = self.sim, self._rudder_before
         actions = self._shaped(actions)
-        good = heading.command_batch(
+        good = bridge.command_batch(
             actions, sim.state, sim.records, self.tasks, sim.commands, before
         )
         if good < self.n:
             row = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
             raise ConfigError(f"action {row} = {actions[row].tolist()}: must be finite, in [-1, 1]")
         sim.advance()
-        heading.judge_batch(sim.state, before, sim.seas, self.tasks, self.terms, self._verdict)
+        self.task.judge_batch(
+            sim.state, before, sim.seas, self.tasks, self.plans, self.terms, self._verdict
+        )
+        bridge.account_batch(
+            sim.state, sim.flow, sim.records, self.dt, self._verdict, self.scenario.on_track,
+            self._ledger,
+        )  # fmt: skip
+        self._fail()
         self.observe()
+
+    def _fail(self) -> None:
+        """Let the failure of the scenario begin where it is time."""
+        failure = self.scenario.failure
+        if not failure.any:
+            return
+        now = self.elapsed == self._fails_at
+        self.tasks["heading_bias"][now] = math.radians(failure.heading_bias_deg)
+        if failure.propeller_speed is not None:
+            self.tasks["n_limit"][now] = failure.propeller_speed * self.tasks["n_order"][now]
+        rate = self._ship_draws.rudder_rate(np.flatnonzero(now))
+        self.sim.records["gear"]["rate"][now] = failure.rudder_rate * rate
 
     def _shaped(self, actions: Any) -> np.ndarray:
         """Actions as float64 of the right shape, else ConfigError."""
@@ -227,67 +291,60 @@ class EpisodeBatch:
         -------
         dict
             ``reward_terms`` by name; ``forces`` by component, each (n, 3) X, Y [N], N [N m], and
-            ``flow`` by name, both at the start of the interval; ``psi_ordered`` [rad]; ``time``
-            [s]; ``power`` delivered at the propeller [W]; ``extrapolation`` (distance outside the
+            ``flow`` by name, both at the start of the interval; ``psi_ordered`` [rad], of a track
+            the bearing of the active leg; ``time`` [s]; ``power`` delivered at the propeller [W]
+            and ``energy`` since the reset [J]; ``extrapolation`` (distance outside the
             surrogate's trained box, 0 inside); the safety ``cost`` (1 where the rudder is
-            saturated or the episode terminated); with randomisation also ``randomisation``, what
-            was drawn by name; in waves also ``waves_extrapolation``, how far the ship is faster
-            than its wave table goes, or the share of the waves' energy outside it, 0 inside.
+            saturated or a limit ended the episode); ``outcome``, index of
+            ``tasks.bridge.OUTCOMES``; ``is_success``, whether the episode has ended without
+            failing: a heading held to the end, the last way-point reached. On a track also
+            ``cross_track`` [m] and ``leg``, the active one; with randomisation ``randomisation``,
+            what was drawn by name; with a failure ``failed``, whether it has begun; in waves
+            ``waves_extrapolation``, how far the ship is faster than its wave table goes, or the
+            share of the waves' energy outside it, 0 inside.
         """
-        sim = self.sim
-        forces, flow, terms = sim.forces.copy(), sim.flow.copy(), self.terms.copy()
-        saturated = np.abs(sim.state[:, DELTA]) >= _SATURATED * self.ship.gear.delta_max
-        extra = {"randomisation": self.randomisation()} if self._surrogate_std > 0.0 else {}
-        if sim.water.n_waves:
-            extra["waves_extrapolation"] = sim.waves[:, WAVE_EXTRAPOLATION].copy()
-        return extra | {
-            "reward_terms": {k: terms[:, i] for i, k in enumerate(heading.REWARD_TERMS)},
-            "forces": {k: forces[:, i] for i, k in enumerate(FORCE_COMPONENTS)},
-            "flow": {k: flow[:, i] for i, k in enumerate(FLOW_NAMES)},
-            "psi_ordered": self.tasks["psi_ordered"].copy(),
-            "time": sim.time.copy(),
-            "power": 2.0 * math.pi * sim.state[:, N] * flow[:, FLOW_TORQUE],
-            "extrapolation": flow[:, FLOW_EXTRAPOLATION],
-            "cost": (saturated | self.terminated).astype(np.float64),
-        }
+        info: dict[str, Any] = {}
+        for key, (names, rows) in self._groups().items():
+            kept = rows.copy()
+            info[key] = {name: kept[:, k] for k, name in enumerate(names)}
+        return info | {key: values.copy() for key, values in self._columns().items()}
 
     def info_of(self, i: int) -> dict[str, Any]:
         """Row i of `info` as plain numbers, without the detour over the batch."""
-        sim, forces, flow = self.sim, self.sim.forces[i].copy(), self.sim.flow[i].tolist()
-        delta, n = sim.state[i, DELTA].item(), sim.state[i, N].item()
-        saturated = abs(delta) >= _SATURATED * self.ship.gear.delta_max
-        extra: dict[str, Any] = {}
-        if self._surrogate_std > 0.0:
-            extra["randomisation"] = {k: z[i].item() for k, z in self.randomisation().items()}
-        if sim.water.n_waves:
-            extra["waves_extrapolation"] = sim.waves[i, WAVE_EXTRAPOLATION].item()
-        return extra | {
-            "reward_terms": dict(zip(heading.REWARD_TERMS, self.terms[i].tolist(), strict=True)),
-            "forces": dict(zip(FORCE_COMPONENTS, forces, strict=True)),
-            "flow": dict(zip(FLOW_NAMES, flow, strict=True)),
-            "psi_ordered": self.tasks["psi_ordered"][i].item(),
-            "time": sim.time[i].item(),
-            "power": 2.0 * math.pi * n * flow[FLOW_TORQUE],
-            "extrapolation": flow[FLOW_EXTRAPOLATION],
-            "cost": float(saturated or self.terminated[i]),
+        info: dict[str, Any] = {}
+        for key, (names, rows) in self._groups().items():
+            row = rows[i].copy() if rows.ndim > 2 else rows[i].tolist()
+            info[key] = dict(zip(names, row, strict=True))
+        return info | {key: values[i].item() for key, values in self._columns().items()}
+
+    def _groups(self) -> dict[str, tuple[Sequence[str], np.ndarray]]:
+        """Groups of the info: names, and their values in the present arrays."""
+        groups: dict[str, tuple[Sequence[str], np.ndarray]] = {
+            "reward_terms": (self.task.reward_terms, self.terms),
+            "forces": (FORCE_COMPONENTS, self.sim.forces),
+            "flow": (FLOW_NAMES, self.sim.flow),
         }
+        if self._ship_draws.names:
+            groups["randomisation"] = (self._ship_draws.names, self._ship_draws.values)
+        return groups
 
-
-def check_has_std(ship: Ship) -> None:
-    """Refuse to draw from a surrogate that has no standard deviation.
-
-    Raises
-    ------
-    ConfigError
-        The ship has no surrogate, or one made of printed coefficients.
-    """
-    table = ship.surrogate
-    spread = 0.0
-    if table is not None:
-        columns = [i for i, name in enumerate(table.names) if "_std" in name]
-        spread = float(np.abs(table.values[..., columns]).max())
-    if spread == 0.0:
-        raise ConfigError(
-            f"randomisation.surrogate_std: surrogate {ship.surrogate_name!r} of {ship.name} has no "
-            "standard deviation; allowed is 0, or a fitted surrogate such as 'gp'"
-        )
+    def _columns(self) -> dict[str, np.ndarray]:
+        """Single values of the info, as views of the present arrays."""
+        sim, tasks = self.sim, self.tasks
+        columns = {
+            "psi_ordered": tasks["psi_ordered"],
+            "time": sim.time,
+            "power": self.power,
+            "energy": self.energy,
+            "extrapolation": sim.flow[:, FLOW_EXTRAPOLATION],
+            "cost": self.cost,
+            "outcome": self.outcomes,
+            "is_success": self.success,
+        }
+        if self.scenario.on_track:
+            columns |= {"cross_track": self.errors, "leg": tasks["active"]}
+        if self.scenario.failure.any:
+            columns["failed"] = self.elapsed >= self._fails_at
+        if sim.water.n_waves:
+            columns["waves_extrapolation"] = sim.waves[:, WAVE_EXTRAPOLATION]
+        return columns

@@ -10,20 +10,16 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from ship_gym.config import ConfigError, check_number
-from ship_gym.envs.env import (
-    action_space,
-    check_render_mode,
-    observation_space,
-    resolved_scenario,
-)
+from ship_gym.config import ConfigError, check_known, check_number
+from ship_gym.envs.env import Given, action_space, observation_space, resolved_fleet
 from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.envs.view import Screen
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 
 
 class ShipVectorEnv(VectorEnv):
-    """Vector environment that steps all ships in one compiled loop.
+    """Vector environment that steps all ships in one compiled loop, whatever the id.
 
     Bit for bit the same as ``gymnasium.vector.SyncVectorEnv`` over ``ShipEnv``: environment i of
     seed s uses the stream s + i.
@@ -32,8 +28,11 @@ class ShipVectorEnv(VectorEnv):
     ----------
     num_envs : int
         Number of environments.
-    ship, control, surrogate, scenario, overrides, render_mode
-        As in ``ShipEnv``.
+    ship : str, Ship or sequence of them
+        As in ``ShipEnv``. Of several (a mixed fleet), environment i sails number i modulo their
+        number; all of them the same scenario.
+    control, surrogate, scenario, privileged, overrides, render_mode
+        As in ``ShipEnv``; the render mode is ``"rgb_array"`` or None.
     autoreset_mode : str or gymnasium.vector.AutoresetMode
         ``"NextStep"`` (default), ``"SameStep"`` (``final_obs``, ``final_info`` in info) or
         ``"Disabled"`` (reset with ``options={"reset_mask": mask}``).
@@ -41,29 +40,36 @@ class ShipVectorEnv(VectorEnv):
         Threads or not; None: from 2048 environments on. Same numbers.
     """
 
-    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
+    metadata = {  # noqa: RUF012  Gymnasium's own form
+        "render_modes": ["rgb_array"],
+        "render_fps": 10,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
 
     def __init__(
         self,
         num_envs: int = 1,
-        ship: str | Ship | None = None,
+        ship: Given | Sequence[str | Ship] = None,
         control: str | None = None,
         surrogate: str | None = None,
         scenario: str | Mapping[str, Any] | Scenario = "heading_keeping",
+        privileged: bool | None = None,
         overrides: Mapping[str, Any] | None = None,
         render_mode: str | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         parallel: bool | None = None,
     ):
         super().__init__()
-        check_render_mode(render_mode)
+        if render_mode is not None:
+            check_known("render_mode of a vector environment", render_mode, ("rgb_array",))
         self.num_envs = int(check_number("num_envs", num_envs, 1, 10**7))
         self.render_mode = render_mode
         self.autoreset_mode = _mode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
-        self.scenario, given = resolved_scenario(scenario, ship, control, surrogate, overrides)
+        options = (control, surrogate, privileged, overrides)
+        self.scenario, given = resolved_fleet(scenario, ship, *options)
         self.episodes = EpisodeBatch(self.num_envs, self.scenario, given, parallel)
-        self.single_observation_space = observation_space()
+        self.single_observation_space = observation_space(self.scenario)
         self.single_action_space = action_space(self.scenario)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
@@ -72,10 +78,18 @@ class ShipVectorEnv(VectorEnv):
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
         self._everyone = np.ones(self.num_envs, dtype=np.bool_)
 
+        shown = self.num_envs if render_mode else 0
+        self._screens = [Screen(render_mode, self.episodes, i) for i in range(shown)]
+
     @property
     def ship(self) -> Ship:
-        """The ship that sails in every environment."""
+        """The ship that sails in every environment; of a mixed fleet a ConfigError."""
         return self.episodes.ship
+
+    @property
+    def ships(self) -> list[Ship]:
+        """The ship of each environment."""
+        return self.episodes.ships
 
     @property
     def np_random(self) -> tuple[np.random.Generator | None, ...]:
@@ -107,12 +121,25 @@ class ShipVectorEnv(VectorEnv):
             return self._next_step(actions)
         return self._plain_step(actions)
 
+    def render(self) -> tuple[np.ndarray, ...]:
+        """Pictures of all environments, each uint8 (height, width, 3)."""
+        if not self._screens:
+            raise ConfigError(
+                "render without a render mode: make the environments with render_mode='rgb_array'"
+            )
+        return tuple(screen.picture() for screen in self._screens)
+
+    def _follow(self) -> None:
+        for screen in self._screens:
+            screen.follow()
+
     def _next_step(self, actions):
         """An episode that has ended is reset by the next step, whose action is not used."""
         episodes, ended = self.episodes, self._ended
         if ended.any():
             actions = np.where(ended[:, None], 0.0, actions)
         episodes.step(actions)
+        self._follow()
         if ended.any():
             self._begin(ended)
         terminated, truncated = episodes.terminated.copy(), episodes.truncated.copy()
@@ -129,6 +156,7 @@ class ShipVectorEnv(VectorEnv):
                 "options={'reset_mask': mask} before the next step"
             )
         episodes.step(actions)
+        self._follow()
         rewards = episodes.rewards.copy()
         terminated, truncated = episodes.terminated.copy(), episodes.truncated.copy()
         ended = terminated | truncated
@@ -146,6 +174,9 @@ class ShipVectorEnv(VectorEnv):
         draws = np.stack([self._generators[i].random(self.episodes.n_draws) for i in which])
         self.episodes.start(which, draws)
         self._ended[which] = False
+        if self._screens:
+            for i in which:
+                self._screens[i].begin()
 
     def _seeds(self, seed) -> list[int | None]:
         if seed is None:

@@ -27,9 +27,9 @@ class Controller(Protocol):
         """Forget everything; `count` episodes of `scenario` with `ship` begin together."""
 
     def act(self, observations: np.ndarray) -> np.ndarray:
-        """Actions of shape (count, n_actions) in [-1, 1] for observations of shape (count, 9).
+        """Actions (count, n_actions) in [-1, 1] for observations (count, n_observations).
 
-        The columns of the observation are those of ``ship_gym.tasks.heading.OBSERVATIONS``.
+        The columns of the observation are those of ``ship_gym.tasks.observations_of(task)``.
         """
 
 

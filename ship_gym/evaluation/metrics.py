@@ -1,9 +1,10 @@
 """Metrics of one episode, computed from its recording alone, so that a stored file gives the same.
 
 The integrals that define J and the RMS are means over the ends of the control intervals, as in the
-reward. An episode that terminated early is judged over its planned duration: the intervals it did
-not sail count with the heading error at the limit that ended it and the rudder hard over, the worst
-that an episode still alive can do. So ending early never pays. Other metrics take what was sailed.
+reward, each judged by the order or leg that held during it. An episode that a limit ended early is
+judged over its planned duration: the intervals it did not sail count with the error at that limit
+and the rudder hard over, the worst that an episode still alive can do. So failing early never pays.
+Other metrics take what was sailed.
 Times, and all "per hour", are full scale; angles are in degrees.
 """
 
@@ -15,8 +16,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ship_gym.config import ConfigError
+from ship_gym.conventions import wrap_angle
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.simulation import shaft_power, through_water
+from ship_gym.tasks.bridge import ARRIVED, OUTCOMES
+from ship_gym.tracks.guidance import cross_track
 
 SETTLED_DEG = 2.0  # band of the settling time
 DWELL = 60.0  # time to stay in the band [full-scale s]; later disturbances do not count
@@ -33,17 +37,29 @@ class Metric(NamedTuple):
     better: str
 
 
-METRICS: dict[str, Metric] = {
+_HEADING: dict[str, Metric] = {
     **{
         f"J_{lam:g}": Metric("deg2", f"mean(psi_e^2) + {lam:g} mean(delta^2)", "lower")
         for lam in LAMBDAS
     },
     "rms_error": Metric("deg", "root mean square of the heading error", "lower"),
     "max_error": Metric("deg", "largest absolute heading error, start included", "lower"),
-    "overshoot": Metric("deg", "first swing past the ordered heading; 0 if not crossed", "lower"),
-    "settling_time": Metric(
-        "s", "first stay of 60 s within 2 deg begins; planned duration if there is none", "lower"
+    "overshoot": Metric(
+        "deg", "first swing past the ordered heading; 0 if not crossed; mean over steps", "lower"
     ),
+    "settling_time": Metric(
+        "s",
+        "until the first stay of 60 s within 2 deg begins; if there is none, the time that was "
+        "planned; mean over steps",
+        "lower",
+    ),
+}
+_TRACK: dict[str, Metric] = {
+    "rms_cross_track": Metric("L", "root mean square of the cross-track error", "lower"),
+    "max_cross_track": Metric("L", "largest absolute cross-track error, start included", "lower"),
+    "voyage_time": Metric("s", "until arrival; if there is none, the planned duration", "lower"),
+}
+_COMMON: dict[str, Metric] = {
     "rudder_travel": Metric("deg/h", "rudder angle covered per hour", "lower"),
     "rudder_reversals": Metric("1/h", "changes of direction by more than 1 deg, per hour", "lower"),
     "saturation": Metric("-", "share of the intervals that end with the rudder hard over", "lower"),
@@ -54,16 +70,23 @@ METRICS: dict[str, Metric] = {
         "without corrections for friction and density",
         "lower",
     ),
-    "success": Metric("-", "1 if the episode did not terminate", "higher"),
+    "success": Metric("-", "1 if no limit ended the episode; on a track: if it arrived", "higher"),
     "return": Metric("-", "sum of the rewards", "higher"),
 }
+METRICS: dict[str, Metric] = {**_HEADING, **_TRACK, **_COMMON}
 
-_COLUMNS = ("u", "v", "psi", "delta", "n", "torque", "psi_error", "reward")
+_COLUMNS = ("u", "v", "psi", "delta", "n", "torque", "psi_error", "psi_ordered", "reward")
 _COLUMNS += ("current_speed", "current_direction_to")
+_META = ("ship", "config", "failed", "outcome")
+
+
+def metrics_of(task: str) -> dict[str, Metric]:
+    """Metrics of a task, in the order of a table."""
+    return {**(_TRACK if task == "track_following" else _HEADING), **_COMMON}
 
 
 def metrics(trajectory: Trajectory) -> dict[str, float]:
-    """Metrics of one episode of heading keeping.
+    """Metrics of one episode.
 
     Parameters
     ----------
@@ -73,7 +96,7 @@ def metrics(trajectory: Trajectory) -> dict[str, float]:
     Returns
     -------
     dict of str to float
-        The keys of `METRICS`, with the units there.
+        The keys of `metrics_of` its task, with the units there.
 
     Raises
     ------
@@ -87,21 +110,62 @@ def metrics(trajectory: Trajectory) -> dict[str, float]:
         )
     _check(trajectory)
     meta = trajectory.meta
-    time = trajectory["t"] * math.sqrt(meta["ship"]["scale"])
-    error = np.degrees(trajectory["psi_error"])
-    psi_e, delta = _judged(trajectory)
-    settled = settling_time(time, error)
+    on_track = meta["task"] == "track_following"
+    hours = (trajectory["t"][-1] - trajectory["t"][0]) * math.sqrt(meta["ship"]["scale"]) / 3600.0
+    return {
+        **(_track_metrics(trajectory) if on_track else _heading_metrics(trajectory)),
+        **_rudder_use(trajectory, hours),
+        "speed_loss": 1.0 - float(np.mean(through_water(trajectory)[0])) / meta["ship"]["speed"],
+        "energy": _energy(trajectory),
+        "success": float(meta["outcome"] == OUTCOMES[ARRIVED] if on_track else not meta["failed"]),
+        "return": float(trajectory["reward"].sum()),
+    }
+
+
+def _heading_metrics(trajectory: Trajectory) -> dict[str, float]:
+    psi_e = wrap_angle(trajectory["psi"][1:] - trajectory["psi_ordered"][:-1])
+    limit = math.radians(trajectory.meta["config"]["limits"]["heading_error_deg"])
+    psi_e = _to_the_end(trajectory, psi_e, limit)
+    delta = _to_the_end(trajectory, trajectory["delta"][1:], trajectory.meta["ship"]["delta_max"])
     return {
         **{f"J_{lam:g}": float(control_cost(psi_e, delta, lam)) for lam in LAMBDAS},
         "rms_error": math.sqrt(control_cost(psi_e, delta, 0.0)),
-        "max_error": float(np.abs(error).max()),
-        "overshoot": overshoot(error),
-        "settling_time": float(meta["config"]["duration"]) if settled is None else settled,
-        **_rudder_use(trajectory, (time[-1] - time[0]) / 3600.0),
-        "speed_loss": 1.0 - float(np.mean(through_water(trajectory)[0])) / meta["ship"]["speed"],
-        "energy": _energy(trajectory),
-        "success": 0.0 if meta["terminated"] else 1.0,
-        "return": float(trajectory["reward"].sum()),
+        "max_error": float(np.abs(np.degrees(trajectory["psi_error"])).max()),
+        **_step_response(trajectory),
+    }
+
+
+def _step_response(trajectory: Trajectory) -> dict[str, float]:
+    """Overshoot and settling, mean over the steps of the ordered heading; of one heading: its own.
+
+    The order that holds at first is a step only if it is the only one.
+    """
+    config = trajectory.meta["config"]
+    time = trajectory["t"] * math.sqrt(trajectory.meta["ship"]["scale"])
+    error = np.degrees(trajectory["psi_error"])
+    begins = np.flatnonzero(np.diff(trajectory["psi_ordered"]) != 0.0) + 1
+    parts = np.split(np.arange(len(time)), begins)
+    found = []
+    for part in parts[1:] or parts:
+        settled = settling_time(time[part], error[part])
+        planned = config["duration"] if len(parts) == 1 else time[part[-1]] - time[part[0]]
+        found.append((overshoot(error[part]), planned if settled is None else settled))
+    over, settling = np.mean(found, axis=0).tolist()
+    return {"overshoot": over, "settling_time": settling}
+
+
+def _track_metrics(trajectory: Trajectory) -> dict[str, float]:
+    meta = trajectory.meta
+    L = meta["ship"]["L"]
+    legs = trajectory["leg"][:-1].astype(int)
+    ends = cross_track(np.array(meta["track"]), legs, trajectory["x"][1:], trajectory["y"][1:])
+    judged = _to_the_end(trajectory, ends / L, meta["config"]["limits"]["cross_track"])
+    arrived = meta["outcome"] == OUTCOMES[ARRIVED]
+    sailed = (trajectory["t"][-1] - trajectory["t"][0]) * math.sqrt(meta["ship"]["scale"])
+    return {
+        "rms_cross_track": math.sqrt(np.mean(judged * judged)),
+        "max_cross_track": float(max(np.abs(ends).max(), abs(trajectory["cross_track"][0])) / L),
+        "voyage_time": float(sailed if arrived else meta["config"]["duration"]),
     }
 
 
@@ -159,24 +223,22 @@ def reversals(angle: np.ndarray, dead_band: float = DEAD_BAND_DEG) -> int:
 def _check(trajectory: Trajectory) -> None:
     meta = trajectory.meta
     missing = [name for name in _COLUMNS if name not in trajectory]
-    missing += [f"meta {name}" for name in ("ship", "config", "terminated") if name not in meta]
+    missing += [f"meta {name}" for name in _META if name not in meta]
     if missing:
         raise ConfigError(
-            f"a recording of task {meta.get('task')!r} has no heading metrics: it lacks "
+            f"a recording of task {meta.get('task')!r} has no metrics: it lacks "
             f"{', '.join(missing)}"
         )
     if len(trajectory) < 2:
         raise ConfigError("a recording needs at least two rows for metrics")
 
 
-def _judged(trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray]:
-    """Heading error and rudder angle [rad] at the ends of the intervals that count."""
-    meta, psi_e, delta = trajectory.meta, trajectory["psi_error"][1:], trajectory["delta"][1:]
-    planned = round(meta["config"]["duration"] / meta["config"]["control_interval"])
-    lost = max(0, planned - len(psi_e)) if meta["terminated"] else 0
-    limit = math.radians(meta["config"]["limits"]["heading_error_deg"])
-    hard_over = meta["ship"]["delta_max"]
-    return np.append(psi_e, np.full(lost, limit)), np.append(delta, np.full(lost, hard_over))
+def _to_the_end(trajectory: Trajectory, values: np.ndarray, worst: float) -> np.ndarray:
+    """Values at the ends of the intervals that count: those lost by failing are the worst."""
+    config = trajectory.meta["config"]
+    planned = round(config["duration"] / config["control_interval"])
+    lost = max(0, planned - len(values)) if trajectory.meta["failed"] else 0
+    return np.append(values, np.full(lost, worst))
 
 
 def _rudder_use(trajectory: Trajectory, hours: float) -> dict[str, float]:

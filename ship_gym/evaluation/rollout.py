@@ -21,7 +21,9 @@ from ship_gym.recording.trajectory import Trajectory
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import history_columns
-from ship_gym.tasks.heading import REWARD_TERMS
+from ship_gym.tasks import TASKS
+from ship_gym.tasks.bridge import HEADING_LIMIT, OUTCOMES, TRACK_LIMIT
+from ship_gym.tracks.guidance import cross_track
 
 # Episode seeds: training draws from [0, 400_000) and validates from there on (agents/sb3), gains
 # and hyperparameters are tuned on [TUNING_SEED, EVALUATION_SEED), and nothing but an evaluation
@@ -31,6 +33,8 @@ TUNING_SEED = 500_000
 EVALUATION_SEED = 2_000_000
 
 _HISTORIES = ("time", "states", "commands", "forces", "flow", "waves")
+_START = ("time", "states", "waves", "orders", "legs")  # of an interval
+_DURING = ("commands", "forces", "flow")  # the engine's, at the start of the interval
 
 
 def evaluation_seeds(n: int) -> list[int]:
@@ -63,14 +67,19 @@ class Rollout:
         Shape (n,): episode i is that of ``ShipEnv.reset(seed=seeds[i])``, bit for bit.
     lengths : numpy.ndarray
         Intervals sailed, shape (n,).
-    terminated : numpy.ndarray
-        Whether each episode ended as failed, shape (n,); else it was truncated.
+    outcomes : numpy.ndarray
+        Why each episode terminated, index of ``tasks.bridge.OUTCOMES``, shape (n,); 0: it was
+        truncated.
     histories : dict
         ``time`` [s] (T+1, n), ``states`` (T+1, n, 8), ``commands`` (T+1, n, 2), ``forces``
-        (T+1, n, 6, 3), ``flow`` (T+1, n, 7), ``waves`` (T+1, n, 9), ``terms`` (T, n, 5),
-        ``rewards`` (T, n).
-    psi_ordered : numpy.ndarray
-        Ordered heading [rad], shape (n,).
+        (T+1, n, 6, 3), ``flow`` (T+1, n, 7), ``waves`` (T+1, n, 9), ``orders`` (ordered heading or
+        bearing of the active leg [rad], T+1, n), ``legs`` (active leg or order, T+1, n), ``terms``
+        (T, n, 5), ``rewards`` (T, n).
+    plans : numpy.ndarray
+        Orders or way-points of each episode, shape (n, rows, 2), as ``EpisodeBatch.plans``.
+    weather : dict
+        ``wave_height`` [m], ``wave_period`` [s], ``wave_direction_to`` [rad], ``wind_speed``
+        [m/s], ``wind_direction_to`` [rad], shapes (n,).
     current : numpy.ndarray
         Speed [m/s] and direction it flows to [rad, from north], shape (n, 2).
     randomisation : dict
@@ -83,9 +92,10 @@ class Rollout:
     ship: Ship
     seeds: tuple[int, ...]
     lengths: np.ndarray
-    terminated: np.ndarray
+    outcomes: np.ndarray
     histories: dict[str, np.ndarray]
-    psi_ordered: np.ndarray
+    plans: np.ndarray
+    weather: dict[str, np.ndarray]
     current: np.ndarray
     randomisation: dict[str, np.ndarray]
     provenance: dict[str, object]
@@ -93,6 +103,16 @@ class Rollout:
     def __len__(self) -> int:
         """Return the number of episodes."""
         return len(self.seeds)
+
+    @property
+    def terminated(self) -> np.ndarray:
+        """Whether each episode terminated; else it was truncated. Shape (n,)."""
+        return self.outcomes > 0
+
+    @property
+    def failed(self) -> np.ndarray:
+        """Whether each episode ended at a limit, shape (n,)."""
+        return (self.outcomes == HEADING_LIMIT) | (self.outcomes == TRACK_LIMIT)
 
     @property
     def episodes(self) -> list[Trajectory]:
@@ -109,18 +129,23 @@ class Rollout:
         rows = slice(0, self.lengths[i] + 1)
         parts = [self.histories[name][rows, i] for name in _HISTORIES]
         columns = history_columns(*parts)
-        columns["psi_ordered"] = np.full(len(columns["t"]), self.psi_ordered[i])
-        columns["psi_error"] = wrap_angle(columns["psi"] - self.psi_ordered[i])
+        columns["psi_ordered"] = self.histories["orders"][rows, i]
+        columns["psi_error"] = wrap_angle(columns["psi"] - columns["psi_ordered"])
+        if self.scenario.on_track:
+            columns["leg"] = self.histories["legs"][rows, i]
+            place = (columns["leg"].astype(int), columns["x"], columns["y"])
+            columns["cross_track"] = cross_track(self.plans[i], *place)
         columns["current_speed"] = np.full(len(columns["t"]), self.current[i, 0])
         columns["current_direction_to"] = np.full(len(columns["t"]), self.current[i, 1])
         sailed = slice(0, self.lengths[i])
         columns["reward"] = np.append(self.histories["rewards"][sailed, i], 0.0)
-        for k, name in enumerate(REWARD_TERMS):
+        for k, name in enumerate(TASKS[self.scenario.task].reward_terms):
             columns[f"reward_{name}"] = np.append(self.histories["terms"][sailed, i, k], 0.0)
         return Trajectory(columns, self._meta(i))
 
     def _meta(self, i: int) -> dict[str, Any]:
         terminated = bool(self.terminated[i])
+        track = {"track": self.plans[i].tolist()} if self.scenario.on_track else {}
         return {
             "task": self.scenario.task,
             "controller": self.controller,
@@ -128,8 +153,12 @@ class Rollout:
             "config": self.scenario.to_dict(),
             "ship": ship_meta(self.ship),
             "randomisation": {k: z[i].item() for k, z in self.randomisation.items()},
+            "sea": {k: values[i].item() for k, values in self.weather.items()},
             "terminated": terminated,
             "truncated": not terminated,
+            "outcome": OUTCOMES[self.outcomes[i]] if terminated else "end of time",
+            "failed": bool(self.failed[i]),
+            **track,
             **self.provenance,
         }
 
@@ -141,6 +170,7 @@ def begin(
     ship: str | Ship | None = None,
     control: str | None = None,
     surrogate: str | None = None,
+    privileged: bool | None = None,
     overrides: Mapping[str, Any] | None = None,
     parallel: bool | None = None,
 ) -> EpisodeBatch:
@@ -150,7 +180,7 @@ def begin(
     ----------
     seeds : sequence of int
         Shape (n,); a seed may occur more than once.
-    scenario, ship, control, surrogate, overrides
+    scenario, ship, control, surrogate, privileged, overrides
         As in ``ShipEnv``.
     parallel : bool, optional
         As in ``ShipSim``.
@@ -162,7 +192,7 @@ def begin(
     """
     if len(seeds) == 0 or min(seeds) < 0:
         raise ConfigError(f"seeds = {list(seeds)}: at least one is needed, none negative")
-    resolved, given = resolved_scenario(scenario, ship, control, surrogate, overrides)
+    resolved, given = resolved_scenario(scenario, ship, control, surrogate, privileged, overrides)
     batch = EpisodeBatch(len(seeds), resolved, given, parallel)
     draws = [seeding.np_random(int(seed))[0].random(batch.n_draws) for seed in seeds]
     batch.start(np.arange(len(seeds)), np.stack(draws))
@@ -177,6 +207,7 @@ def rollout(
     ship: str | Ship | None = None,
     control: str | None = None,
     surrogate: str | None = None,
+    privileged: bool | None = None,
     overrides: Mapping[str, Any] | None = None,
     parallel: bool | None = None,
     progress: Any = False,
@@ -190,7 +221,7 @@ def rollout(
         their row until all have.
     seeds : sequence of int
         `evaluation_seeds(n)` for anything that is reported.
-    scenario, ship, control, surrogate, overrides
+    scenario, ship, control, surrogate, privileged, overrides
         As in ``ShipEnv``.
     parallel : bool, optional
         As in ``ShipSim``.
@@ -201,7 +232,8 @@ def rollout(
     -------
     Rollout
     """
-    env = {"ship": ship, "control": control, "surrogate": surrogate, "overrides": overrides}
+    env = {"ship": ship, "control": control, "surrogate": surrogate}
+    env |= {"privileged": privileged, "overrides": overrides}
     if not isinstance(controller, Controller):
         missing = [k for k in ("name", "reset", "act") if not hasattr(controller, k)]
         raise ConfigError(
@@ -216,21 +248,34 @@ def rollout(
         if log.ended.all():
             break
     log.close(k + 1)
-    sea = batch.sim.seas
-    towards = np.arctan2(sea["V_east"], sea["V_north"]) % (2.0 * math.pi)
+    seas, tasks = batch.sim.seas, batch.tasks
+    current = _polar(seas["V_north"], seas["V_east"])
+    wind_speed, wind_to = _polar(seas["wind_north"], seas["wind_east"])
     return Rollout(
         controller=controller.name,
         scenario=batch.scenario,
         ship=batch.ship,
         seeds=tuple(int(seed) for seed in seeds),
         lengths=log.lengths,
-        terminated=log.failed,
+        outcomes=log.outcomes,
         histories=log.histories,
-        psi_ordered=batch.tasks["psi_ordered"].copy(),
-        current=np.column_stack([np.hypot(sea["V_north"], sea["V_east"]), towards]),
+        plans=batch.plans,
+        weather={
+            "wave_height": tasks["wave_height"].copy(),
+            "wave_period": tasks["wave_period"].copy(),
+            "wave_direction_to": tasks["wave_to"] % (2.0 * math.pi),
+            "wind_speed": wind_speed,
+            "wind_direction_to": wind_to,
+        },
+        current=np.column_stack(current),
         randomisation=batch.randomisation(),
         provenance=provenance(),
     )
+
+
+def _polar(north: np.ndarray, east: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Length and direction from north in [0, 2 pi) [rad]."""
+    return np.hypot(north, east), np.arctan2(east, north) % (2.0 * math.pi)
 
 
 class _Log:
@@ -245,6 +290,8 @@ class _Log:
             "forces": sim.forces,
             "flow": sim.flow,
             "waves": sim.waves,
+            "orders": batch.tasks["psi_ordered"],
+            "legs": batch.tasks["active"],
         }
         self._earned = {"terms": batch.terms, "rewards": batch.rewards}
         rows = batch.scenario.steps
@@ -253,30 +300,29 @@ class _Log:
         self.histories = {name: np.zeros(shape) for name, shape in shapes.items()}
         self.lengths = np.full(batch.n, rows)
         self.ended = np.zeros(batch.n, dtype=np.bool_)
-        self.failed = np.zeros(batch.n, dtype=np.bool_)
+        self.outcomes = np.zeros(batch.n, dtype=np.int64)
 
     def sail(self, k: int, actions: np.ndarray) -> None:
         """Sail interval k and keep its start, its forces and its reward."""
-        for name in ("time", "states", "waves"):
+        for name in _START:
             self.histories[name][k] = self._now[name]
         self.batch.step(actions)
-        # The engine's forces, flow and command belong to the start of the interval.
-        for name in ("commands", "forces", "flow"):
+        for name in _DURING:
             self.histories[name][k] = self._now[name]
         for name, values in self._earned.items():
             self.histories[name][k] = values
         new = ~self.ended & (self.batch.terminated | self.batch.truncated)
         self.lengths[new] = k + 1
-        self.failed[new] = self.batch.terminated[new]
+        self.outcomes[new] = self.batch.outcomes[new]
         self.ended |= new
 
     def close(self, k: int) -> None:
         """Fill row k, the final state, with the forces that one more step finds at its start."""
         sim = self.batch.sim
-        for name in ("time", "states", "waves"):
+        for name in _START:
             self.histories[name][k] = self._now[name]
         sim.advance()
-        for name in ("commands", "forces", "flow"):
+        for name in _DURING:
             self.histories[name][k] = self._now[name]
         last = self.lengths, np.arange(self.batch.n)
         self.histories["commands"][last] = self.histories["commands"][last[0] - 1, last[1]]

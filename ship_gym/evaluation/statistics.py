@@ -10,7 +10,7 @@ import numpy as np
 from scipy import stats
 
 from ship_gym.config import ConfigError, check_known
-from ship_gym.evaluation.metrics import METRICS, metrics
+from ship_gym.evaluation.metrics import metrics, metrics_of
 from ship_gym.evaluation.rollout import Rollout
 
 CONFIDENCE = 0.95
@@ -76,7 +76,7 @@ def rate(values: Sequence[float] | np.ndarray) -> Estimate:
 def per_episode(rollout: Rollout) -> dict[str, list[float]]:
     """Metrics of every episode, one list of length n for each name."""
     rows = [metrics(rollout.trajectory(i)) for i in range(len(rollout))]
-    return {name: [row[name] for row in rows] for name in METRICS}
+    return {name: [row[name] for row in rows] for name in rows[0]}
 
 
 def compare(rollouts: Sequence[Rollout], reference: str | None = None) -> dict[str, Any]:
@@ -113,7 +113,7 @@ def compare(rollouts: Sequence[Rollout], reference: str | None = None) -> dict[s
         "seeds": list(first.seeds),
         "confidence": CONFIDENCE,
         "reference": reference,
-        "metrics": {name: metric._asdict() for name, metric in METRICS.items()},
+        "metrics": {k: m._asdict() for k, m in metrics_of(first.scenario.task).items()},
         "controllers": {name: _estimates(values, rate) for name, values in episodes.items()},
         "differences": {
             name: _estimates(_minus(values, episodes[reference]), _mean)

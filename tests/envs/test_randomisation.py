@@ -7,7 +7,8 @@ import pytest
 from ship_gym import load_ship
 from ship_gym.config import ConfigError
 from ship_gym.envs.env import ShipEnv
-from ship_gym.envs.episodes import SURROGATE_DRAWS, EpisodeBatch
+from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.envs.randomisation import SURROGATE_DRAWS
 from ship_gym.evaluation import rollout
 from ship_gym.scenarios import load_scenario
 

@@ -11,6 +11,27 @@ from ship_gym.config import ConfigError
 IDS = sorted(ship_gym.ENVIRONMENTS)
 # short, and with a limit close enough that random actions end episodes both ways
 ENDS_OFTEN = {"duration": 90.0, "start.heading_error_deg": 20.0, "limits.heading_error_deg": 24.0}
+OFTEN = {
+    "ShipGym/HeadingKeeping-v0": ENDS_OFTEN,
+    "ShipGym/CourseChanging-v0": ENDS_OFTEN
+    | {
+        "duration": 60.0,
+        "course.first": 5.0,
+        "course.interval_min": 10.0,
+        "course.interval_max": 20.0,
+        "course.step_max_deg": 8.0,
+    },
+    # short legs of a harmless track, which some ships finish and others leave
+    "ShipGym/TrackFollowing-v0": {
+        "duration": 60.0,
+        "start.cross_track": 0.1,
+        "limits.cross_track": 0.3,
+        "track.leg_min": 1.05,
+        "track.leg_max": 1.5,
+        "track.legs": 2,
+        "track.acceptance": 0.4,
+    },
+}
 
 
 def same(a, b, path="info"):
@@ -31,8 +52,9 @@ def same(a, b, path="info"):
 @pytest.mark.parametrize("control", ["rudder", "rudder+rpm"])
 @pytest.mark.parametrize("env_id", IDS)
 def test_native_is_sync_of_scalars_bit_for_bit(env_id, control, mode):
-    options = {"control": control, "overrides": ENDS_OFTEN}
-    native = ship_gym.ShipVectorEnv(5, autoreset_mode=mode, **options)
+    options = {"control": control, "overrides": OFTEN[env_id]}
+    scenario = ship_gym.ENVIRONMENTS[env_id]
+    native = ship_gym.ShipVectorEnv(5, scenario=scenario, autoreset_mode=mode, **options)
     sync = SyncVectorEnv([lambda: gym.make(env_id, **options).unwrapped] * 5, autoreset_mode=mode)
     rng = np.random.default_rng(8)
     (obs_a, info_a), (obs_b, info_b) = native.reset(seed=42), sync.reset(seed=42)
@@ -63,11 +85,12 @@ def test_make_vec_gives_the_native_environment(env_id):
 
 
 @pytest.mark.parametrize("mode", ["sync", "async"])
-def test_make_vec_in_the_other_modes(mode):
-    env = gym.make_vec(IDS[0], num_envs=2, vectorization_mode=mode)
+@pytest.mark.parametrize("env_id", IDS)
+def test_make_vec_in_the_other_modes(env_id, mode):
+    env = gym.make_vec(env_id, num_envs=2, vectorization_mode=mode)
     env.reset(seed=0)
     obs, *_ = env.step(np.zeros((2, 1), np.float32))
-    native = ship_gym.ShipVectorEnv(2)
+    native = ship_gym.ShipVectorEnv(2, scenario=ship_gym.ENVIRONMENTS[env_id])
     native.reset(seed=0)
     assert (native.step(np.zeros((2, 1), np.float32))[0] == obs).all()
     env.close()

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from agents.pid import PID, Gains
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController
-from ship_gym.evaluation.metrics import METRICS, metrics, overshoot, reversals, settling_time
+from ship_gym.evaluation.metrics import metrics, metrics_of, overshoot, reversals, settling_time
 from ship_gym.evaluation.rollout import rollout
 from ship_gym.recording import Trajectory
 
@@ -23,18 +23,21 @@ def hand_made(error_deg, delta_deg, terminated=False, scale=1.0, **changes):
         "t": np.arange(rows) / math.sqrt(scale),
         "u": SPEED * full,
         "v": 0.5 * full,
-        "psi": 0.0 * full,
+        "psi": np.radians(error_deg) * full,
+        "psi_ordered": 0.0 * full,
         "delta": np.radians(delta_deg) * full,
         "n": 2.0 * full,
         "torque": 1000.0 * full,
         "psi_error": np.radians(error_deg) * full,
         "current_speed": 0.5 * full,
-        "current_direction_to": 0.5 * math.pi * full,
+        "current_direction_to": 0.5 * math.pi + np.radians(error_deg) * full,  # abeam
         "reward": -1.0 * full,
     }
     meta = {
         "task": "heading_keeping",
         "terminated": terminated,
+        "failed": terminated,
+        "outcome": "heading limit" if terminated else "end of time",
         "ship": {"speed": 10.0, "scale": scale, "delta_max": math.radians(HARD_OVER)},
         "config": {
             "duration": DURATION,
@@ -47,11 +50,12 @@ def hand_made(error_deg, delta_deg, terminated=False, scale=1.0, **changes):
 
 def test_constant_error_and_rudder():
     found = metrics(hand_made(np.full(601, 3.0), np.full(601, 2.0)))
-    assert list(found) == list(METRICS)
+    assert list(found) == list(metrics_of("heading_keeping"))
     assert found["J_0.1"] == pytest.approx(9.4)
     assert found["J_1"] == pytest.approx(13.0)
     assert found["J_8"] == pytest.approx(41.0)
-    assert found["rms_error"] == found["max_error"] == pytest.approx(3.0)
+    assert found["rms_error"] == pytest.approx(3.0)
+    assert found["max_error"] == pytest.approx(3.0)
     assert found["overshoot"] == found["rudder_travel"] == found["saturation"] == 0.0
     assert found["settling_time"] == DURATION
     assert found["speed_loss"] == pytest.approx(0.2)
@@ -151,7 +155,8 @@ def test_missing_time_counts_at_the_limit():
 
 
 def test_metrics_of_a_failed_rollout():
-    found = metrics(rollout(ConstantController(1.0), seeds=[0]).trajectory(0))
+    gentle = {"sea.states": ["ss3"]}
+    found = metrics(rollout(ConstantController(1.0), seeds=[0], overrides=gentle).trajectory(0))
     assert found["success"] == 0.0
     assert found["max_error"] > LIMIT
     assert found["saturation"] > 0.5

@@ -53,7 +53,7 @@ def test_episode_is_that_of_the_environment_bit_for_bit(control):
             assert histories["terms"][:n, k].tolist() == [r[2]["reward_terms"][name] for r in rows]
         assert np.array_equal(histories["forces"][:n, 2], [r[2]["forces"]["rudder"] for r in rows])
         assert histories["flow"][:n, 4].tolist() == [r[2]["flow"]["torque"] for r in rows]
-        assert sailed.psi_ordered[i] == rows[0][2]["psi_ordered"]
+        assert sailed.histories["orders"][0, i] == rows[0][2]["psi_ordered"]
 
 
 def test_episode_that_terminates_is_cut_at_its_end():

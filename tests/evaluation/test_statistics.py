@@ -5,8 +5,9 @@ import pytest
 
 from agents.pid import PID, Gains
 from ship_gym.config import ConfigError
-from ship_gym.evaluation import METRICS, compare, rollout, table
+from ship_gym.evaluation import compare, rollout, table
 from ship_gym.evaluation.controller import ConstantController
+from ship_gym.evaluation.metrics import metrics_of
 from ship_gym.evaluation.statistics import estimate, interquartile_mean, rate
 
 SHORT = {"duration": 30.0}
@@ -47,13 +48,13 @@ def test_comparison_is_paired_and_can_be_stored(rollouts):
     a, b = (np.array(found["episodes"][name]["J_1"]) for name in ("constant", "pid"))
     shown = found["differences"]["constant"]["J_1"]
     assert shown["value"] == pytest.approx(interquartile_mean(a - b))
-    assert set(found["metrics"]) == set(METRICS)
+    assert set(found["metrics"]) == set(metrics_of("heading_keeping"))
 
 
 def test_table_is_aligned_and_has_every_metric(rollouts):
     found = compare(rollouts, "constant")
     text, tabled = table(found), table(found, markdown=True)
-    for name in METRICS:
+    for name in metrics_of("heading_keeping"):
         assert text.count(f"\n{name} ") == 2 and tabled.count(f"\n| {name} ") == 2
     assert "pid - constant" in text
     assert len({line.count("|") for line in tabled.split("\n\n")[0].splitlines()}) == 1

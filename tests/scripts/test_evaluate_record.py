@@ -8,7 +8,7 @@ import pytest
 
 from agents.sb3.policy import POLICY_FILE, Actor, Normaliser, SB3Policy, save_policy
 from ship_gym.config import ConfigError
-from ship_gym.tasks.heading import OBSERVATIONS
+from ship_gym.tasks.bridge import OBSERVATIONS
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 

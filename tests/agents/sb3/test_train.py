@@ -12,7 +12,7 @@ from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.evaluation.rollout import rollout, tuning_seeds
 from ship_gym.scenarios import load_scenario
 from ship_gym.ships import load_ship
-from ship_gym.tasks.heading import N_OBSERVATIONS
+from ship_gym.tasks.bridge import N_BRIDGE
 
 pytest.importorskip("stable_baselines3")
 
@@ -30,7 +30,7 @@ OPTIONS = {
     "sac": {"learning_starts": 32, "buffer_size": 500},
     "td3": {"learning_starts": 32, "buffer_size": 500},
 }
-OBSERVATIONS = np.random.default_rng(0).normal(0.0, 0.5, (5, N_OBSERVATIONS)).astype(np.float32)
+OBSERVATIONS = np.random.default_rng(0).normal(0.0, 0.5, (5, N_BRIDGE)).astype(np.float32)
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -150,7 +150,7 @@ def test_resume_continues(tmp_path):
 
 def test_a_resumed_run_explores_with_other_noise_and_other_seas(tmp_path):
     config = tiny()
-    observation = torch.zeros((4, N_OBSERVATIONS))
+    observation = torch.zeros((4, N_BRIDGE))
 
     def noise(run):
         policy = run.model.policy

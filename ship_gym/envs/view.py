@@ -1,0 +1,116 @@
+"""What an environment shows of one of its episodes: a picture, or a live view in rerun."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ship_gym.conventions import X, Y
+from ship_gym.physics.waves import WAVE_ROLL, WAVE_YAW
+from ship_gym.tasks.bridge import OUTCOMES
+
+if TYPE_CHECKING:
+    from ship_gym.envs.episodes import EpisodeBatch
+    from ship_gym.rendering.scene import Scene
+
+RENDER_MODES = ("rgb_array", "human")
+_WAKE = 900  # positions that the wake keeps
+
+
+class Screen:
+    """Follows one episode of a batch; the drawing libraries load at the first picture.
+
+    Parameters
+    ----------
+    mode : str
+        One of `RENDER_MODES`.
+    episodes : EpisodeBatch
+    index : int
+        Which episode.
+    """
+
+    def __init__(self, mode: str, episodes: EpisodeBatch, index: int = 0):
+        self._mode, self._episodes, self._index = mode, episodes, index
+        self._wake: list[tuple[float, float]] = []
+        self._view = self._live = None
+
+    def begin(self) -> None:
+        """A new episode begins."""
+        self._wake = []
+        self.follow()
+
+    def follow(self) -> None:
+        """Keep the present position; show it at once in mode ``human``."""
+        x, y = self._episodes.sim.state[self._index, [X, Y]].tolist()
+        self._wake = [*self._wake[-_WAKE:], (x, y)]
+        if self._mode == "human":
+            self._stream()
+
+    def picture(self) -> np.ndarray | None:
+        """uint8 (height, width, 3); None in mode ``human``, which shows itself."""
+        if self._mode == "human":
+            return None
+        if self._view is None:
+            from ship_gym.rendering.plan_view import PlanView
+
+            self._view = PlanView()
+        return self._view.draw(self.scene())
+
+    def _stream(self) -> None:
+        if self._live is None:
+            from ship_gym.recording.live import LiveView
+
+            episodes = self._episodes
+            self._live = LiveView(episodes.ships[self._index], episodes.scenario.task)
+        self._live.show(self.scene().row())
+
+    def scene(self) -> Scene:
+        """The present instant in plain numbers."""
+        from ship_gym.rendering.scene import Scene
+
+        e, i = self._episodes, self._index
+        ship, task, sea, scenario = e.ships[i], e.tasks[i], e.sim.seas[i], e.scenario
+        on_track = scenario.on_track
+        return Scene(
+            task=scenario.task,
+            ship=ship.name,
+            L=ship.hull.L,
+            B=ship.hull.B,
+            U0=ship.speed,
+            delta_max=ship.gear.delta_max,
+            n_max=ship.engine.n_max,
+            state=e.sim.state[i].copy(),
+            command=e.sim.commands[i].copy(),
+            time=float(e.sim.time[i]),
+            scale=ship.scale,
+            psi_ordered=float(task["psi_ordered"]),
+            heading_limit=None if on_track else float(task["heading_limit"]),
+            wake=np.array(self._wake),
+            track=e.plans[i].copy() if on_track else None,
+            active_leg=int(task["active"]) if on_track else 0,
+            cross_track=float(e.errors[i]) if on_track else 0.0,
+            cross_track_limit=float(task["cross_limit"]) if on_track else None,
+            current=(float(sea["V_north"]), float(sea["V_east"])),
+            wind=(float(sea["wind_north"]), float(sea["wind_east"])),
+            wave_height=float(task["wave_height"]),
+            wave_period=float(task["wave_period"]),
+            wave_direction_to=float(task["wave_to"]),
+            wave_yaw=float(e.sim.waves[i, WAVE_YAW]),
+            wave_roll=float(e.sim.waves[i, WAVE_ROLL]),
+            reward=float(e.rewards[i]),
+            reward_terms=dict(zip(e.task.reward_terms, e.terms[i].tolist(), strict=True)),
+            outcome=self._outcome(),
+        )
+
+    def _outcome(self) -> str:
+        e, i = self._episodes, self._index
+        if e.terminated[i]:
+            return OUTCOMES[e.outcomes[i]]
+        return "end of time" if e.truncated[i] else ""
+
+    def close(self) -> None:
+        """Close the live view."""
+        if self._live is not None:
+            self._live.close()
+            self._live = None

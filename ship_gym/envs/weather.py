@@ -1,0 +1,137 @@
+"""The seas of n episodes: every weather that a scenario may draw is made once, then picked from."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from ship_gym.scenarios.sections import SeaRange
+from ship_gym.sea.records import Waters, waters
+from ship_gym.ships.particulars import Ship
+from ship_gym.tasks.bridge import polar
+
+N_CURRENT = 2  # uniform numbers for the current
+N_WEATHER = 4  # and, where there are waves or wind, for state, height, wind speed and direction
+
+
+class Weathers:
+    """Draws current, waves and wind of episodes into the arrays of their simulation.
+
+    Parameters
+    ----------
+    sea : SeaRange
+    ships : list of Ship
+        One for each episode.
+    kinds : list of int
+        Index of each episode's ship among the different ones.
+
+    Attributes
+    ----------
+    water : sea.records.Waters
+        Of the n episodes, for ``ShipSim.set_water``.
+    """
+
+    def __init__(self, sea: SeaRange, ships: list[Ship], kinds: list[int]):
+        self.sea = sea
+        self._choices = sea.weathers()
+        self._unit = np.array([ship.time_unit for ship in ships])
+        self._scale = np.array([ship.scale for ship in ships])
+        distinct = dict(zip(kinds, ships, strict=True))
+        pairs = [
+            (distinct[kind], choice.sea.scaled(distinct[kind].scale))
+            for kind in sorted(distinct)
+            for choice in self._choices
+        ]
+        # rows of the templates: kind by choice
+        self._templates = waters([ship for ship, _ in pairs], [s for _, s in pairs])
+        self._kinds = np.array(kinds)
+        self._row = self._kinds * len(self._choices)
+        made = self._templates
+        shape = (len(ships), *made.waves.shape[1:])
+        self.water: Waters = dataclasses.replace(
+            made,
+            records=made.records[self._row],
+            components=made.components[self._row],
+            waves=np.zeros(shape),
+        )
+        first = self._choices[0].sea
+        self.changes = bool(first.waves) or any(c.sea.wind_speed > 0.0 for c in self._choices)
+        self._T_p = np.array([c.sea.waves[0].peak_period if c.sea.waves else 0.0
+                              for c in self._choices])  # fmt: skip
+        self._H_s = np.array([c.sea.waves[0].height if c.sea.waves else 0.0
+                              for c in self._choices])  # fmt: skip
+        for name in ("height_min", "wind_min", "wind_max"):
+            setattr(self, f"_{name}", np.array([getattr(c, name) for c in self._choices]))
+
+    @property
+    def n_draws(self) -> int:
+        """Uniform numbers for one episode, without the phases."""
+        return N_CURRENT + (N_WEATHER if self.changes else 0)
+
+    def draw(self, which: np.ndarray, uniform: np.ndarray, psi: np.ndarray, tasks: np.ndarray):
+        """Set current, wave amplitudes and wind of some episodes.
+
+        Parameters
+        ----------
+        which : numpy.ndarray
+            Indices, shape (m,).
+        uniform : numpy.ndarray
+            Numbers in [0, 1), shape (m, n_draws).
+        psi : numpy.ndarray
+            Ordered heading or bearing of the first leg [rad], shape (m,): what encounter angles
+            are counted from.
+        tasks : numpy.ndarray
+            ``wave_height``, ``wave_period`` and ``wave_to`` are written.
+
+        Returns
+        -------
+        numpy.ndarray
+            Where the waves go to [rad], shape (m,).
+        """
+        waves_to = np.zeros(len(which))
+        records = self.water.records[which]
+        if self.changes:
+            state, height, wind, towards = uniform[:, N_CURRENT:].T
+            pick = np.minimum((state * len(self._choices)).astype(int), len(self._choices) - 1)
+            records = self._templates.records[self._row[which] + pick]
+            waves_to = self._direction(self.sea.wave_encounter_deg, psi, towards)
+            self._set_waves(which, pick, height, waves_to, tasks)
+            self._set_wind(records, which, pick, wind, waves_to, psi)
+        self._set_current(records, which, uniform, psi)
+        self.water.records[which] = records
+        return waves_to
+
+    @staticmethod
+    def _direction(encounter_deg: float | None, psi: np.ndarray, uniform: np.ndarray) -> np.ndarray:
+        """Direction to which something goes: any, or at an encounter angle."""
+        if encounter_deg is None:
+            return math.pi * (2.0 * uniform - 1.0)
+        return psi - math.radians(encounter_deg)
+
+    def _set_waves(self, which, pick, height, waves_to, tasks) -> None:
+        share = self._height_min[pick] + (1.0 - self._height_min[pick]) * height
+        largest = self._templates.components[self._row[which] + pick]
+        self.water.components[which] = largest
+        self.water.components[which, :, 0] = share[:, None] * largest[:, :, 0]
+        tasks["wave_height"][which] = share * self._H_s[pick] / self._scale[which]
+        tasks["wave_period"][which] = self._T_p[pick] / self._unit[which]
+        tasks["wave_to"][which] = waves_to
+
+    def _set_wind(self, records, which, pick, uniform, waves_to, psi) -> None:
+        """Wind within its range; of a model slower by the square root of the scale (Froude)."""
+        low, high = self._wind_min[pick], self._wind_max[pick]
+        speed = (low + (high - low) * uniform) / self._unit[which]
+        towards = waves_to
+        if self.sea.wind_encounter_deg is not None:
+            towards = self._direction(self.sea.wind_encounter_deg, psi, uniform)
+        polar(speed, towards, records["wind_north"], records["wind_east"])
+
+    def _set_current(self, records, which, uniform, psi) -> None:
+        sea = self.sea
+        span = sea.current_speed - sea.current_speed_min
+        speed = (sea.current_speed_min + span * uniform[:, 0]) / self._unit[which]
+        towards = self._direction(sea.current_encounter_deg, psi, uniform[:, 1])
+        polar(speed, towards, records["mean_north"], records["mean_east"])
+        records["V_north"], records["V_east"] = records["mean_north"], records["mean_east"]

@@ -1,0 +1,58 @@
+"""What no bridge knows, for the critic of an asymmetric agent or for analysis: sea and forces."""
+
+from __future__ import annotations
+
+import math
+
+from ship_gym.conventions import FORCE_COMPONENTS, PSI, G
+from ship_gym.physics._kernel import kernel
+from ship_gym.physics.dynamics import water_velocity
+from ship_gym.tasks.bridge import clipped
+
+_FORCES = tuple(
+    (f"{axis}_{name}'", "-", -5.0, 5.0, f"{axis} of {name}, by 1/2 rho L d U0^2{length}")
+    for name in FORCE_COMPONENTS
+    for axis, length in (("X", ""), ("Y", ""), ("N", " L"))
+)
+OBSERVATIONS = (
+    ("u_c / U0", "-", -3.0, 3.0, "current along the bow"),
+    ("v_c / U0", "-", -3.0, 3.0, "current to starboard"),
+    ("u_w / U0", "-", -20.0, 20.0, "mean wind along the bow, over ground"),
+    ("v_w / U0", "-", -20.0, 20.0, "mean wind to starboard, over ground"),
+    ("H_s / d", "-", 0.0, 5.0, "significant wave height"),
+    ("T_p sqrt(g/L) / 2 pi", "-", 0.0, 5.0, "peak period; 0 without waves"),
+    ("sin(mu)", "-", -1.0, 1.0, "of the encounter angle psi - wave_direction_to; 0 without waves"),
+    ("cos(mu)", "-", -1.0, 1.0, "-1 in a head sea, 1 in a following one; 0 without waves"),
+    *_FORCES,
+)
+_LOW = tuple(row[2] for row in OBSERVATIONS)
+_HIGH = tuple(row[3] for row in OBSERVATIONS)
+_SEA = len(OBSERVATIONS) - len(_FORCES)
+
+
+@kernel
+def observe_batch(states, forces, ships, seas, tasks, first, observations):
+    """Write sea and forces of every ship from column `first` on; zero forces after a reset."""
+    for i in range(states.shape[0]):
+        sea, ship, task, psi = seas[i], ships[i], tasks[i], states[i, PSI]
+        c, s = math.cos(psi), math.sin(psi)
+        u_c, v_c = water_velocity(psi, sea)
+        wet = 1.0 if task.wave_height > 0.0 else 0.0
+        mu = psi - task.wave_to
+        values = (
+            u_c / task.speed,
+            v_c / task.speed,
+            (sea.wind_north * c + sea.wind_east * s) / task.speed,
+            (sea.wind_east * c - sea.wind_north * s) / task.speed,
+            task.wave_height / ship.hull.d,
+            task.wave_period * math.sqrt(G / task.L) / (2.0 * math.pi),
+            wet * math.sin(mu),
+            wet * math.cos(mu),
+        )
+        for k in range(_SEA):
+            observations[i, first + k] = clipped(values[k], _LOW[k], _HIGH[k])
+        unit = 0.5 * ship.rho * task.L * ship.hull.d * task.speed * task.speed
+        for k in range(forces.shape[1]):
+            for axis in range(3):
+                share = forces[i, k, axis] / (unit * task.L if axis == 2 else unit)
+                observations[i, first + _SEA + 3 * k + axis] = clipped(share, -5.0, 5.0)
