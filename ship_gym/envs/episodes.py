@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -304,33 +305,36 @@ class EpisodeBatch:
             share of the waves' energy outside it, 0 inside.
         """
         info: dict[str, Any] = {}
-        for key, (names, rows) in self._groups().items():
+        groups, columns = self._views
+        for key, (names, rows) in groups.items():
             kept = rows.copy()
             info[key] = {name: kept[:, k] for k, name in enumerate(names)}
-        return info | {key: values.copy() for key, values in self._columns().items()}
+        return info | {key: values.copy() for key, values in columns.items()} | self._failed()
 
     def info_of(self, i: int) -> dict[str, Any]:
         """Row i of `info` as plain numbers, without the detour over the batch."""
         info: dict[str, Any] = {}
-        for key, (names, rows) in self._groups().items():
-            row = rows[i].copy() if rows.ndim > 2 else rows[i].tolist()
+        groups, columns = self._views
+        for key, (names, rows) in groups.items():
+            row = list(rows[i].copy()) if rows.ndim > 2 else rows[i].tolist()
             info[key] = dict(zip(names, row, strict=True))
-        return info | {key: values[i].item() for key, values in self._columns().items()}
+        for key, values in columns.items():
+            info[key] = values.item(i)
+        for key, values in self._failed().items():
+            info[key] = values.item(i)
+        return info
 
-    def _groups(self) -> dict[str, tuple[Sequence[str], np.ndarray]]:
-        """Groups of the info: names, and their values in the present arrays."""
+    @functools.cached_property
+    def _views(self) -> tuple[dict[str, tuple[Sequence[str], np.ndarray]], dict[str, np.ndarray]]:
+        """Groups of the info (names, present values) and its single values, as views."""
+        sim, tasks = self.sim, self.tasks
         groups: dict[str, tuple[Sequence[str], np.ndarray]] = {
             "reward_terms": (self.task.reward_terms, self.terms),
-            "forces": (FORCE_COMPONENTS, self.sim.forces),
-            "flow": (FLOW_NAMES, self.sim.flow),
+            "forces": (FORCE_COMPONENTS, sim.forces),
+            "flow": (FLOW_NAMES, sim.flow),
         }
         if self._ship_draws.names:
             groups["randomisation"] = (self._ship_draws.names, self._ship_draws.values)
-        return groups
-
-    def _columns(self) -> dict[str, np.ndarray]:
-        """Single values of the info, as views of the present arrays."""
-        sim, tasks = self.sim, self.tasks
         columns = {
             "psi_ordered": tasks["psi_ordered"],
             "time": sim.time,
@@ -343,8 +347,14 @@ class EpisodeBatch:
         }
         if self.scenario.on_track:
             columns |= {"cross_track": self.errors, "leg": tasks["active"]}
-        if self.scenario.failure.any:
-            columns["failed"] = self.elapsed >= self._fails_at
         if sim.water.n_waves:
             columns["waves_extrapolation"] = sim.waves[:, WAVE_EXTRAPOLATION]
-        return columns
+        return groups, columns
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the views: a copy would lose their tie to the arrays they look at."""
+        return {key: value for key, value in self.__dict__.items() if key != "_views"}
+
+    def _failed(self) -> dict[str, np.ndarray]:
+        """Whether the failure of the scenario has begun; empty without one."""
+        return {"failed": self.elapsed >= self._fails_at} if self.scenario.failure.any else {}
