@@ -8,12 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+from agents.los import ILOS, LOSPID
 from agents.pid import PID, load_gains
 from ship_gym.config import ConfigError, check_known
 from ship_gym.evaluation.controller import ConstantController, Controller
 
-CONTROLLERS: dict[str, Callable[[], Controller]] = {"constant": ConstantController, "pid": PID}
+CONTROLLERS: dict[str, Callable[[], Controller]] = {
+    "constant": ConstantController,
+    "pid": PID,
+    "los_pid": LOSPID,
+    "ilos": ILOS,
+}
 PRETRAINED = Path(__file__).parent / "pretrained"
 
 
@@ -52,7 +59,11 @@ def make_controller(name_or_path: str | Path) -> Controller:
     return CONTROLLERS[check_known("controller", name, [*CONTROLLERS, *pretrained()])]()
 
 
-def trained_for(controller: Controller) -> dict[str, str]:
-    """Ship and control that a policy was trained for; empty for other controllers."""
+def trained_for(controller: Controller) -> dict[str, Any]:
+    """Scenario, ship, control and privileges of a policy's training; empty for other controllers.
+
+    Keyword arguments of ``rollout``; each may be replaced by another.
+    """
     scenario = getattr(controller, "card", {}).get("config", {}).get("scenario", {})
-    return {key: scenario[key] for key in ("ship", "control") if key in scenario}
+    found = {key: scenario[key] for key in ("ship", "control", "privileged") if key in scenario}
+    return found | ({"scenario": scenario} if scenario else {})

@@ -1,4 +1,8 @@
-"""PID heading autopilot with non-dimensional gains, which carry over to a scaled ship."""
+"""PID heading autopilot with non-dimensional gains, which carry over to a scaled ship.
+
+Order of work in `PID.act`: did the order change (``agents.reference``), what of the measured motion
+counts (``agents.wave_filter``), which heading to be at now (``agents.reference``), rudder angle.
+"""
 
 from __future__ import annotations
 
@@ -9,22 +13,25 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, build, check_number, read_toml
+from agents.reference import Guidance, OrderWatch, Reference, ReferenceModel
+from agents.wave_filter import LowPass, Observer, check_fields
+from ship_gym.config import ConfigError, build, read_toml
+from ship_gym.conventions import wrap_angle
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 
 GAINS = Path(__file__).parent / "gains"
-_LARGEST = 1e3
 # columns of the observation, ship_gym.tasks.heading.OBSERVATIONS
-_SIN, _COS, _RATE, _SWAY = 0, 1, 2, 4
+_SIN, _COS, _RATE, _SWAY, _RUDDER = 0, 1, 2, 4, 5
 
 
 @dataclasses.dataclass(frozen=True)
 class Gains:
-    """Gains of ``delta = -(K_p e + K_d r' + K_i I + K_v v')`` with r' = r L / U0, v' = v / U0.
+    """Gains of ``delta = -(K_p e + K_d r' + K_i I + K_v v') + K_b b``; r' = r L / U0, v' = v / U0.
 
-    Numbers, or arrays of shape (count,) with own gains for each episode (tuning).
+    Numbers, or arrays of shape (count,) with own gains for each episode (tuning). What has a
+    default may be missing in a file.
 
     Attributes
     ----------
@@ -37,21 +44,35 @@ class Gains:
     K_v : float
         Rudder angle by sway velocity through the water [rad]; 0: a plain PID. Negative: the sway
         of a turn, which is away from it, calls for counter rudder early.
+    K_b : float
+        Rudder angle by the rudder bias b that an observer estimates [rad / rad]; 0 without one.
     error_limit : float
         e is the heading error limited to +- this [rad]: a large turn becomes one at constant rate.
+    low_pass, observer : LowPass, Observer, optional
+        Wave filter, one of them at most; None: heading, r' and v' as they are measured.
+    reference : Reference, optional
+        Reference model for changes of the order; None: the order itself.
+    guidance : Guidance
+        For tracks; the heading autopilot does not use it.
     """
 
     K_p: float
     K_d: float
     K_i: float = 0.0
     K_v: float = 0.0
+    K_b: float = 0.0
     error_limit: float = math.pi
+    low_pass: LowPass | None = None
+    observer: Observer | None = None
+    reference: Reference | None = None
+    guidance: Guidance = dataclasses.field(default_factory=Guidance)
 
     def __post_init__(self):
-        for field in dataclasses.fields(self):
-            low = -_LARGEST if field.name == "K_v" else 0.0
-            for value in np.ravel(getattr(self, field.name)).tolist():
-                check_number(f"gains.{field.name}", value, low, _LARGEST)
+        check_fields("gains", self, signed=("K_v",))
+        if self.low_pass is not None and self.observer is not None:
+            raise ConfigError("gains: low_pass and observer are both given; allowed is one filter")
+        if self.observer is None and np.any(np.asarray(self.K_b) != 0.0):
+            raise ConfigError(f"gains.K_b = {self.K_b}: allowed is 0 without an observer")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,7 +117,8 @@ class PID:
     The heading error ``psi_e = psi - psi_ordered`` and ``r`` are positive to starboard, and so is
     the turn that ``delta > 0`` makes: hence the minus of the law. The integral stands still while
     the rudder is saturated and the error would push it further (anti-windup by clamping). With
-    rpm control the propeller keeps the self-propulsion speed.
+    rpm control the propeller keeps the self-propulsion speed. With a reference model, e and r' are
+    less the reference, and with an observer v' too, and the rudder of that turn is added.
 
     Parameters
     ----------
@@ -110,25 +132,66 @@ class PID:
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
         """Clear the integrals; `count` episodes of `scenario` with `ship` begin together."""
-        self._g = gains_of(ship) if self.gains is None else self.gains
+        self._g = g = self._gains_for(ship)
         self._limit = ship.gear.delta_max
         # control interval over L / U0
         self._step = scenario.control_interval / ship.time_unit * ship.speed / ship.hull.L
         self._integral = np.zeros(count)
+        self._watch = OrderWatch(self._step)
+        chosen = g.low_pass if g.observer is None else g.observer
+        self._filter = _as_measured if chosen is None else chosen.start(count, self._step)
+        self._reference = None
+        if g.reference is not None:
+            linear = None if g.observer is None else g.observer.ship
+            self._reference = ReferenceModel(g.reference, self._step, linear)
         steady = ConstantController()
         steady.reset(count, ship, scenario)
         self._action = np.array(steady.act(np.empty((count, 0))))
 
     def act(self, observations: np.ndarray) -> np.ndarray:
-        """Actions in [-1, 1], shape (count, n_actions), for observations of shape (count, 9)."""
+        """Actions in [-1, 1], shape (count, n_actions), for observations of shape (count, >= 9)."""
         seen = np.asarray(observations, dtype=np.float64)
-        g, error = self._g, np.arctan2(seen[:, _SIN], seen[:, _COS])
-        error = np.clip(error, -g.error_limit, g.error_limit)
-        integral = self._integral + error * self._step
-        damping = g.K_d * seen[:, _RATE] + g.K_v * seen[:, _SWAY]
-        delta = -(g.K_p * error + g.K_i * integral + damping)
-        winding = (np.abs(delta) > self._limit) & (delta * error < 0.0)
-        self._integral = np.where(winding, self._integral, integral)
+        measured = np.arctan2(seen[:, _SIN], seen[:, _COS])
+        jump = self._watch(measured, seen[:, _RATE])
+        delta = seen[:, _RUDDER] * self._limit
+        motion = self._filter(measured, seen[:, _RATE], seen[:, _SWAY], delta, jump)
+        wanted = self._wanted(seen, jump), 0.0, 0.0, 0.0
+        if self._reference is not None:
+            wanted = self._reference(wanted[0], motion[0], jump)
+        delta = self._rudder(motion, wanted)
         action = self._action.copy()
         action[:, 0] = np.clip(delta / self._limit, -1.0, 1.0)
         return action
+
+    def _gains_for(self, ship: Ship) -> Gains:
+        return gains_of(ship) if self.gains is None else self.gains
+
+    def _wanted(self, seen: np.ndarray, jump: np.ndarray) -> np.ndarray:
+        """Wanted heading less ordered heading [rad], shape (count,)."""
+        return np.zeros(len(seen))
+
+    def _rudder(self, motion, wanted) -> np.ndarray:
+        """Rudder angle [rad] that may exceed the largest; takes the integral one interval on.
+
+        Parameters
+        ----------
+        motion : tuple
+            psi [rad], r', v' and rudder bias [rad].
+        wanted : tuple
+            Those of the reference, and its rudder angle [rad].
+        """
+        g, error = self._g, motion[0] - wanted[0]
+        # Only where needed: wrapping rounds, and a mirrored error shall give the mirrored rudder.
+        error = np.where(np.abs(error) > math.pi, wrap_angle(error), error)
+        error = np.clip(error, -g.error_limit, g.error_limit)
+        integral = self._integral + error * self._step
+        damping = g.K_d * (motion[1] - wanted[1]) + g.K_v * (motion[2] - wanted[2])
+        delta = -(g.K_p * error + g.K_i * integral + damping) + g.K_b * motion[3] + wanted[3]
+        winding = (np.abs(delta) > self._limit) & (delta * error < 0.0)
+        self._integral = np.where(winding, self._integral, integral)
+        return delta
+
+
+def _as_measured(psi, r, v, delta, jump):
+    """No filter: psi [rad], r', v' as they are measured, and no bias."""
+    return psi, r, v, 0.0

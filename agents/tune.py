@@ -14,42 +14,81 @@ from typing import Any
 import numpy as np
 from scipy.optimize import differential_evolution
 
-from agents.pid import PID, Gains, GainsFile, gains_path
+from agents.pid import PID, Gains, GainsFile, gains_path, load_gains
+from agents.wave_filter import LinearShip, LowPass, Observer, identify
 from ship_gym.config import ConfigError, check_number
 from ship_gym.conventions import DELTA, PSI, wrap_angle
-from ship_gym.evaluation.metrics import control_cost
+from ship_gym.evaluation.metrics import control_cost, metrics
 from ship_gym.evaluation.rollout import Rollout, begin, rollout, tuning_seeds
 from ship_gym.provenance import atomic_path, versions
 from ship_gym.ships import load_ship
 
+_FEEDBACK = ("K_p", "K_d", "K_v")
+_OBSERVER = (*_FEEDBACK, "K_b", "observer.sway_noise", "observer.yaw_noise", "observer.bias_noise")
 # structure -> gains that are free in it; the others keep their defaults
 STRUCTURES: dict[str, tuple[str, ...]] = {
     "PD": ("K_p", "K_d"),
-    "PID": ("K_p", "K_d", "K_i"),
-    "PID + error limit": ("K_p", "K_d", "K_i", "error_limit"),
-    "PD + sway": ("K_p", "K_d", "K_v"),
-    "PID + sway": ("K_p", "K_d", "K_i", "K_v"),
+    "PID + sway": (*_FEEDBACK, "K_i"),
+    "PID + sway, low-pass": (*_FEEDBACK, "K_i", "low_pass.T_r", "low_pass.T_v"),
+    "PD + sway, observer": _OBSERVER,
+    "PD + sway, observer with waves": (
+        *_OBSERVER,
+        "observer.wave_frequency",
+        "observer.wave_noise",
+    ),
 }
+# gain -> lowest, highest, where the search begins; on a logarithmic scale if the lowest is positive
 _BOUNDS = {
-    "K_p": (0.2, 20.0),
-    "K_d": (0.0, 25.0),
-    "K_i": (0.0, 1.0),
-    "K_v": (-8.0, 4.0),
-    "error_limit": (0.05, 0.6),
+    "K_p": (0.2, 20.0, 3.0),
+    "K_d": (0.0, 10.0, 1.5),
+    "K_i": (0.0, 1.0, 0.1),
+    "K_v": (-8.0, 4.0, -2.0),
+    "K_b": (0.0, 1.5, 0.8),
+    "low_pass.T_r": (0.01, 1.0, 0.1),
+    "low_pass.T_v": (0.01, 2.0, 0.2),
+    "observer.sway_noise": (0.02, 20.0, 0.5),
+    "observer.yaw_noise": (0.05, 50.0, 2.0),
+    "observer.bias_noise": (0.02, 20.0, 0.8),
+    "observer.wave_frequency": (8.0, 30.0, 18.0),
+    "observer.wave_noise": (1.0, 300.0, 30.0),
 }
+# Of the measured heading and sway over the yaw rate: about what waves of sea state 5 make of them
+# and what sensors add. Free, they brought nothing.
+_ERRORS = {"heading_error": 0.05, "sway_error": 0.25}
 LAMBDA = 0.1  # of the objective; the environment's default
 _CANDIDATES = 20  # in a generation
+_SPREAD = 0.15  # standard deviation of the first generation, over the range of each gain
 _VALIDATION = 3  # times as many episodes to choose the structure as to tune its gains
+_REPORTED = ("J_0.1", "J_1", "rms_error", "rudder_travel", "rudder_reversals")
 
 
 @dataclasses.dataclass(frozen=True)
 class Tuned:
-    """Best gains of one structure and their mean J [deg2] on tuning and validation episodes."""
+    """Best gains of one structure.
+
+    Attributes
+    ----------
+    structure : str
+    gains : Gains
+    J_tuning : float
+        Mean J [deg2] on the tuning episodes.
+    validation : dict
+        Means of metrics on the validation episodes, in their units.
+    """
 
     structure: str
     gains: Gains
     J_tuning: float
-    J_validation: float
+    validation: dict[str, float]
+
+    @property
+    def J_validation(self) -> float:
+        """Mean J [deg2] on the validation episodes."""
+        return self.validation["J_0.1"]
+
+    def __str__(self) -> str:
+        reversals = self.validation["rudder_reversals"]
+        return f"  J {self.J_validation:8.3f} deg2, {reversals:5.0f} reversals/h  {self.structure}"
 
 
 def episode_costs(sailed: Rollout, lam: float = LAMBDA) -> np.ndarray:
@@ -63,7 +102,35 @@ def episode_costs(sailed: Rollout, lam: float = LAMBDA) -> np.ndarray:
     return control_cost(psi_e, delta, lam)
 
 
-def mean_costs(candidates: np.ndarray, free: Sequence[str], seeds: Sequence[int], **env: Any):
+def make_gains(values: Mapping[str, Any], linear: LinearShip | None = None) -> Gains:
+    """Gains from values by name as in `STRUCTURES`; what they need and do not name is filled in.
+
+    Parameters
+    ----------
+    values : mapping
+        Numbers, or arrays of shape (count,).
+    linear : LinearShip, optional
+        For an observer.
+    """
+    parts: dict[str, dict[str, Any]] = {"": {"K_p": 0.0, "K_d": 0.0}}
+    for name, value in values.items():
+        part, _, key = name.rpartition(".")
+        parts.setdefault(part, {})[key] = value
+    made = parts[""]
+    if "low_pass" in parts:
+        made["low_pass"] = LowPass(**{"T_psi": 0.0} | parts["low_pass"])
+    if "observer" in parts:
+        made["observer"] = Observer(linear, **_ERRORS | parts["observer"])
+    return Gains(**made)
+
+
+def mean_costs(
+    candidates: np.ndarray,
+    free: Sequence[str],
+    seeds: Sequence[int],
+    linear: LinearShip | None = None,
+    **env: Any,
+):
     """Mean J [deg2] of every candidate over the same episodes.
 
     Parameters
@@ -74,6 +141,8 @@ def mean_costs(candidates: np.ndarray, free: Sequence[str], seeds: Sequence[int]
         Their names.
     seeds : sequence of int
         Episodes.
+    linear : LinearShip, optional
+        For an observer.
     **env
         Keyword arguments of ``rollout``.
 
@@ -83,17 +152,24 @@ def mean_costs(candidates: np.ndarray, free: Sequence[str], seeds: Sequence[int]
         Shape (m,).
     """
     rows = np.repeat(candidates, len(seeds), axis=0)
-    gains = {"K_p": 0.0, "K_d": 0.0} | {name: rows[:, k] for k, name in enumerate(free)}
+    gains = make_gains({name: rows[:, k] for k, name in enumerate(free)}, linear)
     # One thread: threads that wait for each other on a shared machine are slower than none.
     everyone = list(seeds) * len(candidates)
-    sailed = rollout(PID(Gains(**gains)), seeds=everyone, parallel=False, **env)
+    sailed = rollout(PID(gains), seeds=everyone, parallel=False, **env)
     return episode_costs(sailed).reshape(len(candidates), len(seeds)).mean(axis=1)
 
 
 def tune_structure(
-    structure: str, episodes: int = 32, generations: int = 25, seed: int = 0, **env: Any
-) -> Tuned:
-    """Tune the free gains of one structure by differential evolution.
+    structure: str,
+    episodes: int = 24,
+    generations: int = 16,
+    seed: int = 0,
+    *,
+    begin_at: Mapping[str, float] | None = None,
+    linear: LinearShip | None = None,
+    **env: Any,
+) -> tuple[Tuned, dict[str, float]]:
+    """Tune the free gains of one structure by differential evolution around a start.
 
     Parameters
     ----------
@@ -104,41 +180,75 @@ def tune_structure(
     generations : int
     seed : int
         Of the search.
+    begin_at : mapping, optional
+        Gains by name to begin at, where they are free.
+    linear : LinearShip, optional
+        For an observer.
     **env
         Keyword arguments of ``rollout`` (ship, control, scenario, overrides).
+
+    Returns
+    -------
+    tuple
+        What was found, and its free gains by name.
     """
     free = STRUCTURES[structure]
     seeds = tuning_seeds((1 + _VALIDATION) * episodes)
+    rng, start = np.random.default_rng(seed), begin_at or {}
+    centre = _to_unit([start.get(name, _BOUNDS[name][2]) for name in free], free)
+    cloud = centre + _SPREAD * rng.standard_normal((_CANDIDATES, len(free)))
+    cloud[0] = centre
     found = differential_evolution(
-        lambda x: mean_costs(x.T, free, seeds[:episodes], **env),
-        [_BOUNDS[name] for name in free],
+        lambda x: mean_costs(_from_unit(x.T, free), free, seeds[:episodes], linear, **env),
+        [(0.0, 1.0)] * len(free),
         maxiter=generations,
-        popsize=math.ceil(_CANDIDATES / len(free)),
+        init=np.clip(cloud, 0.0, 1.0),
         tol=1e-4,
-        rng=np.random.default_rng(seed),
+        rng=rng,
         polish=False,
         vectorized=True,
         updating="deferred",
     )
-    best = np.array([float(f"{x:.4g}") for x in found.x])  # the digits that the file keeps
-    costs = [
-        mean_costs(best[None], free, s, **env)[0] for s in (seeds[:episodes], seeds[episodes:])
-    ]
-    gains = {"K_d": 0.0} | dict(zip(free, best.tolist(), strict=True))
-    return Tuned(structure, Gains(**gains), float(costs[0]), float(costs[1]))
+    # the digits that the file keeps
+    best = {k: float(f"{x:.4g}") for k, x in zip(free, _from_unit(found.x, free), strict=True)}
+    gains = make_gains(best, linear)
+    J = mean_costs(np.array([list(best.values())]), free, seeds[:episodes], linear, **env)[0]
+    judged = rollout(PID(gains), seeds=seeds[episodes:], parallel=False, **env)
+    rows = [metrics(trajectory) for trajectory in judged.episodes]
+    validation = {name: float(np.mean([row[name] for row in rows])) for name in _REPORTED}
+    return Tuned(structure, gains, float(J), validation), best
+
+
+def _to_unit(values: Sequence[float], free: Sequence[str]) -> np.ndarray:
+    """Gains, shape (..., len(free)), as shares of their ranges."""
+    columns = []
+    for value, (low, high, _) in zip(values, map(_BOUNDS.get, free), strict=True):
+        scale = math.log if low > 0.0 else float
+        share = (scale(max(value, low)) - scale(low)) / (scale(high) - scale(low))
+        columns.append(min(share, 1.0))
+    return np.array(columns)
+
+
+def _from_unit(shares: np.ndarray, free: Sequence[str]) -> np.ndarray:
+    """Gains from shares of their ranges, shape (..., len(free)) both."""
+    low, high, _ = np.array([_BOUNDS[name] for name in free]).T
+    lifted = np.where(low > 0.0, low, 1.0)
+    return np.where(low > 0.0, low * (high / lifted) ** shares, low + (high - low) * shares)
 
 
 def tune(
     ship: str,
     *,
     structures: Iterable[str] = tuple(STRUCTURES),
-    episodes: int = 32,
-    generations: int = 25,
+    episodes: int = 24,
+    generations: int = 16,
     seed: int = 0,
     progress: Callable[[Iterable], Iterable] | None = None,
     **env: Any,
 ) -> list[Tuned]:
     """Tune every structure for a ship; the best on the validation episodes comes first.
+
+    Each structure begins at what the ones before it found.
 
     Parameters
     ----------
@@ -153,44 +263,93 @@ def tune(
     check_number("episodes", episodes, 2, 10_000)
     check_number("generations", generations, 1, 10_000)
     begin(tuning_seeds(1), ship=ship, **env)  # scipy would wrap the error of a wrong name
-    names = list(structures)
-    done = [
-        tune_structure(name, episodes, generations, seed, ship=ship, **env)
-        for name in (progress(names) if progress else names)
-    ]
+    linear = identify(load_ship(ship))
+    names, done, best = list(structures), [], {}
+    for name in progress(names) if progress else names:
+        found, gains = tune_structure(
+            name, episodes, generations, seed, begin_at=best, linear=linear, ship=ship, **env
+        )
+        done.append(found)
+        best |= gains
     return sorted(done, key=lambda tuned: tuned.J_validation)
 
 
-def gains_file(ship: str, ranking: Sequence[Tuned], episodes: int, how: str) -> GainsFile:
-    """The winner of a ranking with what reproduces it."""
-    best, first = ranking[0], tuning_seeds(1)[0]
-    tuning = {
-        "structure": best.structure,
+def settings(
+    episodes: int = 24,
+    generations: int = 16,
+    seed: int = 0,
+    scenario: str = "heading_keeping",
+    structures: Iterable[str] = tuple(STRUCTURES),
+) -> dict[str, Any]:
+    """What a tuning depends on, as a file of gains tells it."""
+    first = tuning_seeds(1)[0]
+    return {
         "objective": f"mean of J = mean(psi_e^2) + {LAMBDA:g} mean(delta^2) [deg2]",
-        "method": how,
-        "scenario": "heading_keeping",
+        "method": f"scipy differential evolution, {generations} generations, seed {seed}",
+        "scenario": str(scenario),
+        "structures": list(structures),
         "seeds_tuning": [first, first + episodes - 1],
         "seeds_validation": [first + episodes, first + (1 + _VALIDATION) * episodes - 1],
+    }
+
+
+def is_tuned(ship: str, how: Mapping[str, Any], path: str | Path | None = None) -> bool:
+    """Whether a file of gains of this ship by these `settings` and this version is there."""
+    path = gains_path(ship) if path is None else Path(path)
+    if not path.is_file():
+        return False
+    found = load_gains(path)
+    same = all(found.tuning.get(key) == value for key, value in how.items())
+    return same and found.ship == ship and found.versions == _versions()
+
+
+def gains_file(ship: str, ranking: Sequence[Tuned], how: Mapping[str, Any]) -> GainsFile:
+    """The winner of a ranking with what reproduces it.
+
+    Parameters
+    ----------
+    ship : str
+    ranking : sequence of Tuned
+        The winner first.
+    how : mapping
+        `settings` of the tuning.
+    """
+    best = ranking[0]
+    tuning = {
+        "structure": best.structure,
+        **how,
         "J_tuning": round(best.J_tuning, 4),
         "J_validation": round(best.J_validation, 4),
-        "J_validation_of": {tuned.structure: round(tuned.J_validation, 4) for tuned in ranking},
+        "validation_of": {
+            tuned.structure: {k: round(v, 4) for k, v in tuned.validation.items()}
+            for tuned in ranking
+        },
     }
-    used = {k: v for k, v in versions().items() if k in ("ship-gym", "python", "numpy", "scipy")}
-    return GainsFile(load_ship(ship).name, best.gains, tuning, used)
+    return GainsFile(load_ship(ship).name, best.gains, tuning, _versions())
+
+
+def _versions() -> dict[str, str]:
+    return {k: v for k, v in versions().items() if k in ("ship-gym", "python", "numpy", "scipy")}
 
 
 def write_gains(found: GainsFile, path: str | Path | None = None) -> Path:
     """Write a file of gains, by default where the PID looks for those of the ship."""
     path = gains_path(found.ship) if path is None else Path(path)
-    data = dataclasses.asdict(found)
+    data = _given(dataclasses.asdict(found))
     lines = ["# PID gains, see agents/pid.py; written by scripts/tune.py", *_toml(data)]
     with atomic_path(path) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
 
 
+def _given(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Nested mapping without what is None, for which TOML has no word."""
+    nested = {k: _given(v) if isinstance(v, Mapping) else v for k, v in data.items()}
+    return {k: v for k, v in nested.items() if v is not None}
+
+
 def _toml(data: Mapping[str, Any], section: str = "") -> list[str]:
-    """Lines of a nested mapping of strings, numbers and lists of numbers."""
+    """Lines of a nested mapping of strings, numbers and lists."""
     lines = [f"{_key(k)} = {_literal(v)}" for k, v in data.items() if not isinstance(v, Mapping)]
     for key, value in data.items():
         if isinstance(value, Mapping):
@@ -206,6 +365,8 @@ def _key(name: str) -> str:
 def _literal(value: object) -> str:
     if isinstance(value, str):
         return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-    if isinstance(value, int | float | list):
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_literal, value)) + "]"
+    if isinstance(value, int | float):
         return repr(value)
     raise ConfigError(f"cannot write {value!r} to a gains file")

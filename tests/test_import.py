@@ -7,7 +7,17 @@ import pytest
 
 import ship_gym
 
-HEAVY = ("numba", "torch", "stable_baselines3", "capytaine", "rerun", "matplotlib", "sklearn")
+HEAVY = (
+    "PIL",
+    "pyproj",
+    "numba",
+    "torch",
+    "stable_baselines3",
+    "capytaine",
+    "rerun",
+    "matplotlib",
+    "sklearn",
+)
 
 
 def test_import_loads_no_heavy_library():

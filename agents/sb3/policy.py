@@ -193,7 +193,8 @@ def observation_names(scenario: Mapping[str, Any]) -> list[str]:
 
 
 def _check(policy: SB3Policy, file: Path) -> None:
-    names = observation_names(policy.card["config"]["scenario"])
+    scenario = policy.card.get("config", {}).get("scenario", {"task": "heading_keeping"})
+    names = observation_names(scenario)
     if policy.card["format"] != FORMAT or policy.card["observations"] != names:
         raise ConfigError(
             f"{file}: made for format {policy.card['format']} and observations "

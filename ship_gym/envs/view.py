@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ship_gym.conventions import X, Y
+from ship_gym.conventions import FORCE_AXES, FORCE_COMPONENTS, X, Y
 from ship_gym.physics.waves import WAVE_ROLL, WAVE_YAW
 from ship_gym.tasks.bridge import OUTCOMES
 
@@ -62,8 +62,21 @@ class Screen:
             from ship_gym.recording.live import LiveView
 
             episodes = self._episodes
-            self._live = LiveView(episodes.ships[self._index], episodes.scenario.task)
-        self._live.show(self.scene().row())
+            self._live = LiveView(episodes.ships[self._index], self._title())
+        scene = self.scene()
+        self._live.show(scene.row() | self._forces(), scene.track)
+
+    def _title(self) -> str:
+        return self._episodes.scenario.task.replace("_", " ").capitalize()
+
+    def _forces(self) -> dict[str, float]:
+        """Forces at the start of the interval, as columns of a recording."""
+        sim, i = self._episodes.sim, self._index
+        return {
+            f"{axis}_{component}": float(sim.forces[i, k, j])
+            for k, component in enumerate(FORCE_COMPONENTS)
+            for j, axis in enumerate(FORCE_AXES)
+        }
 
     def scene(self) -> Scene:
         """The present instant in plain numbers."""
@@ -73,7 +86,7 @@ class Screen:
         ship, task, sea, scenario = e.ships[i], e.tasks[i], e.sim.seas[i], e.scenario
         on_track = scenario.on_track
         return Scene(
-            task=scenario.task,
+            task=self._title(),
             ship=ship.name,
             L=ship.hull.L,
             B=ship.hull.B,

@@ -58,14 +58,23 @@ def steering_panels(columns: Columns) -> list[Panel]:
     )
 
 
-def motion_panels(columns: Columns) -> list[Panel]:
-    """Speeds, yaw rate, wave-frequency motion, forces, reward terms; see `steering_panels`."""
+def motion_panels(columns: Columns, largest: Mapping[str, float] | None = None) -> list[Panel]:
+    """Speeds, yaw rate, wave-frequency motion, forces, reward terms; see `steering_panels`.
+
+    Parameters
+    ----------
+    columns : mapping of str to numpy.ndarray
+        Columns of a trajectory.
+    largest : mapping of str to float, optional
+        Force X, Y [N] and moment N [N m] that set the units, for a run that is not over; else the
+        largest ones of the run do.
+    """
     return _filled(
         Panel("plots/speed", "Speed over ground, u ahead, v to starboard [m/s]",
               _plain(columns, "u", "v")),
         Panel("plots/yaw_rate", "Yaw rate [deg/s]", _yaw_rate(columns)),
         Panel("plots/wave_motion", "Wave-frequency motion [deg]", _wave_motion(columns)),
-        *(_forces(columns, axis) for axis in FORCE_AXES),
+        *(_forces(columns, axis, largest) for axis in FORCE_AXES),
         Panel("plots/reward", "Reward and its terms [-]", _plain(columns, *_rewards(columns))),
     )  # fmt: skip
 
@@ -138,12 +147,13 @@ def _plain(columns: Columns, *names: str, scale: float = 1.0) -> list[Series]:
     ]
 
 
-def _forces(columns: Columns, axis: str) -> Panel:
+def _forces(columns: Columns, axis: str, largest: Mapping[str, float] | None) -> Panel:
     """Draw one axis of the force breakdown: columns X_hull, X_propeller, ..., the known first."""
     order = {f"{axis}_{component}": i for i, component in enumerate(FORCE_COMPONENTS)}
     names = [name for name in columns if name.startswith(f"{axis}_")]
     names.sort(key=lambda name: order.get(name, len(order)))
     most = max((float(np.abs(columns[name]).max()) for name in names), default=0.0)
+    most = most if largest is None else largest[axis]
     size, prefix = next((p for p in _PREFIXES if most >= p[0]), (1.0, ""))
     unit = f"{prefix}N m" if axis == "N" else f"{prefix}N"
     what = "moment" if axis == "N" else "force"

@@ -108,7 +108,7 @@ class Trajectory:
         ImportError
             If rerun-sdk is not installed.
         """
-        _rerun_export().write_rrd(self, path)
+        import_rerun_export().write_rrd(self, path)
 
     @classmethod
     def from_rrd(cls, path: str | os.PathLike) -> Trajectory:
@@ -133,10 +133,10 @@ class Trajectory:
         ValueError
             If the file is no recording of Ship Gym.
         """
-        return cls(*_rerun_export().read_rrd(path))
+        return cls(*import_rerun_export().read_rrd(path))
 
 
-def _rerun_export():
+def import_rerun_export():
     """Import the exporter late: rerun is optional, large, and not wanted by ``import ship_gym``."""
     try:
         from ship_gym.recording import rerun_export

@@ -8,6 +8,7 @@ from agents.pid import PID
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import evaluation_seeds, metrics, rollout
 from ship_gym.evaluation.controller import ConstantController
+from ship_gym.scenarios import load_scenario
 
 
 def mean_cost(controller, seeds):
@@ -23,7 +24,9 @@ def test_two_minutes_of_training_come_within_ten_percent_of_the_pid(name):
     assert J < 0.1 * mean_cost(ConstantController(), seeds)
     card = policy.card
     assert policy.name == name
-    assert trained_for(policy) == {"ship": "kcs", "control": "rudder"} and trained_for(PID()) == {}
+    found = trained_for(policy)
+    assert (found["ship"], found["control"]) == ("kcs", "rudder") and trained_for(PID()) == {}
+    assert found["scenario"] == load_scenario().to_dict()
     assert card["config"]["seed"] == 0 and card["seconds"] < 130.0
     assert "torch" in card["versions"] and len(card["git_commit"]) >= 40
 

@@ -1,0 +1,105 @@
+"""Guidance to a track: which heading, on top of the heading autopilot of ``agents.pid``.
+
+Lengths are in L and times in L / U0. Angles are taken from the bearing of the active leg, the
+cross-track error is positive to starboard of it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from agents.pid import PID, Gains
+from agents.reference import Reference
+from ship_gym.config import ConfigError
+from ship_gym.scenarios.scenario import Scenario
+from ship_gym.ships.particulars import Ship
+
+# columns of the observation of a track behind the nine of a heading
+_CROSS, _TO_GO, _NEXT_TURN = 9, 11, 12
+# For gains without a reference model: it saves a tenth of the rudder's travel. Radius 2.5 L.
+_TURNS = Reference(frequency=3.0, rate_limit=0.4)
+_INSIDE = 0.8  # how near to the way-point the turn passes, over the circle of acceptance
+
+
+class LOSPID(PID):
+    """PID with line-of-sight guidance: the wanted heading is ``-atan(e / look_ahead)`` off the leg.
+
+    Look-ahead steering, Fossen (2021), Handbook of Marine Craft Hydrodynamics and Motion Control,
+    2nd ed., chapter 12. The turn at a way-point begins ``turn_radius tan(|d_chi| / 2)`` before it,
+    where the circle of that radius leaves the leg, unless the environment names the next leg
+    earlier. From there the next leg is the one to reach. A turn so sharp that this circle would
+    miss the circle of acceptance is begun later.
+
+    Parameters
+    ----------
+    gains : Gains, optional
+        With guidance; the tuned gains of the ship if omitted. Without a reference model in them, a
+        moderate one is taken.
+    name : str
+    """
+
+    def __init__(self, gains: Gains | None = None, name: str = "los_pid"):
+        super().__init__(gains, name)
+
+    def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
+        """`count` episodes of `scenario` with `ship` begin together."""
+        super().reset(count, ship, scenario)
+        self._inside = _INSIDE * scenario.track.acceptance
+
+    def _gains_for(self, ship: Ship) -> Gains:
+        gains = super()._gains_for(ship)
+        return dataclasses.replace(gains, reference=gains.reference or _TURNS)
+
+    def _wanted(self, seen: np.ndarray, jump: np.ndarray) -> np.ndarray:
+        turn, cross = self._leg(seen)
+        return turn - np.arctan(cross / self._g.guidance.look_ahead)
+
+    def _leg(self, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Bearing [rad, from the active leg] of and error across the leg to reach, (count,)."""
+        if seen.shape[1] <= _NEXT_TURN:
+            raise ConfigError(
+                f"{self.name} steers along tracks: the observation has {seen.shape[1]} columns, "
+                "that of a track has 15; for a heading take controller 'pid'"
+            )
+        cross, to_go = seen[:, _CROSS], seen[:, _TO_GO]
+        turn = seen[:, _NEXT_TURN] * math.pi
+        half = 0.5 * np.maximum(np.abs(turn), 1e-6)
+        # A circle of radius R passes the way-point at R (1 / cos(half) - 1).
+        reach = np.minimum(
+            self._g.guidance.turn_radius * np.tan(half), self._inside / np.tan(0.5 * half)
+        )
+        over = (turn != 0.0) & (to_go <= reach)
+        turn = np.where(over, turn, 0.0)
+        # position from the way-point is (-to_go, cross), along and to starboard of the active leg
+        return turn, to_go * np.sin(turn) + cross * np.cos(turn)
+
+
+class ILOS(LOSPID):
+    """Line-of-sight guidance with integral action against current and drift.
+
+    ``-atan((e + kappa z) / look_ahead)`` with ``dz/dt' = look_ahead e / (look_ahead^2 +
+    (e + kappa z)^2)``: Borhaug, Pavlov & Pettersen (2008), 47th IEEE Conference on Decision and
+    Control, as in ``ILOSpsi`` of Fossen's MSS toolbox, times U0 / L. Far from the leg z hardly
+    grows, so it does not wind up. At a new leg, of the drift that z stands for the part across
+    that leg is kept.
+    """
+
+    def __init__(self, gains: Gains | None = None, name: str = "ilos"):
+        super().__init__(gains, name)
+
+    def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
+        """Clear the integrals; `count` episodes of `scenario` with `ship` begin together."""
+        super().reset(count, ship, scenario)
+        self._drift = np.zeros(count)
+
+    def _wanted(self, seen: np.ndarray, jump: np.ndarray) -> np.ndarray:
+        p, (turn, cross) = self._g.guidance, self._leg(seen)
+        self._drift = self._drift * np.cos(jump)
+        # While it turns to the next leg, the error across that one says nothing of the drift.
+        aim = cross + p.integral * self._drift * np.cos(turn)
+        grown = self._step * p.look_ahead * cross / (p.look_ahead**2 + aim**2)
+        self._drift = self._drift + np.where(turn == 0.0, grown, 0.0)
+        return turn - np.arctan(aim / p.look_ahead)

@@ -1,0 +1,164 @@
+"""Reference headings: a change of the order is followed by a turn that the ship can make.
+
+Everything is non-dimensional by L and U0, see ``agents.wave_filter``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from agents.wave_filter import LinearShip, check_fields
+from ship_gym.config import ConfigError
+from ship_gym.conventions import wrap_angle
+
+# Sensor noise (gyro 0.1 deg, five standard deviations of a difference) and the curvature of a turn
+# stay below it; an order changed by less is taken for noise.
+JUMP = math.radians(1.5)
+_LONGEST = 0.02  # integration step over L / U0
+
+
+class OrderWatch:
+    """Sees when the ordered heading changes: the measured error jumps by more than the ship turned.
+
+    Jumps of less than `JUMP` beyond what the yaw rate explains are taken for motion.
+    """
+
+    def __init__(self, step: float):
+        self._step, self._before = step, None
+
+    def __call__(self, psi: np.ndarray, r: np.ndarray) -> np.ndarray:
+        """By how much the error jumped because the order changed [rad], shape (count,); mostly 0.
+
+        Parameters
+        ----------
+        psi : numpy.ndarray
+            Heading less ordered heading as measured [rad], shape (count,).
+        r : numpy.ndarray
+            Yaw rate r' as measured, shape (count,).
+        """
+        jump = np.zeros(len(psi))
+        if self._before is not None:
+            turned = 0.5 * (r + self._before[1]) * self._step
+            jump = wrap_angle(psi - self._before[0] - turned)
+            jump[np.abs(jump) < JUMP] = 0.0
+        self._before = np.array(psi), np.array(r)
+        return jump
+
+
+@dataclasses.dataclass(frozen=True)
+class Reference:
+    """Third-order reference model with limited rate; numbers, or arrays of shape (count,).
+
+    Attributes
+    ----------
+    frequency : float
+        Natural frequency over U0 / L.
+    rate_limit : float
+        Largest reference yaw rate r'.
+    acceleration_limit : float
+        Largest dr'/dt' of the reference; the rudder must be able to give it.
+    """
+
+    frequency: float
+    rate_limit: float
+    acceleration_limit: float = 1.0
+
+    def __post_init__(self):
+        check_fields("reference", self)
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if np.min(value) <= 0.0:
+                raise ConfigError(f"reference.{field.name} = {value}: must be positive")
+
+
+class ReferenceModel:
+    """Heading and yaw rate that lead from where the ship is to what is wanted.
+
+    ``psi''' = w^3 (target - psi) - 3 w^2 psi' - 3 w psi''`` with ``psi'`` and ``psi''`` limited:
+    three times the pole -w, so without overshoot. With damping 1 it is ``refModel3`` of Fossen's
+    Python Vehicle Simulator (Fossen 2021, Handbook of Marine Craft Hydrodynamics and Motion
+    Control, 2nd ed., chapter 12), whose yaw acceleration has no limit.
+
+    Parameters
+    ----------
+    parameters : Reference
+    step : float
+        Control interval over L / U0.
+    ship : LinearShip, optional
+        Gives sway and rudder angle of the turn; without it they are zero.
+    """
+
+    def __init__(self, parameters: Reference, step: float, ship: LinearShip | None = None):
+        self._p, self._ship = parameters, ship
+        self._parts = math.ceil(step / _LONGEST)
+        self._step = step / self._parts
+        self._psi = None
+
+    def __call__(self, target, psi, jump):
+        """Reference heading [rad], yaw rate r', sway v' and rudder [rad], each of shape (count,).
+
+        The rudder angle is what turns the linear ship so, the sway what it does then.
+
+        Parameters
+        ----------
+        target : numpy.ndarray
+            Wanted heading [rad], in the axes of `psi`.
+        psi : numpy.ndarray
+            Heading of the ship less ordered heading [rad], from which the first call begins.
+        jump : numpy.ndarray
+            By how much headings less ordered heading have jumped, see `OrderWatch` [rad].
+        """
+        if self._psi is None:
+            self._psi, (self._r, self._a, self._v) = np.array(psi), np.zeros((3, len(psi)))
+        w, limit, fastest = self._p.frequency, self._p.rate_limit, self._p.acceleration_limit
+        self._psi = self._psi + jump
+        for _ in range(self._parts):
+            left = wrap_angle(target - self._psi)
+            jerk = w * (w * (w * left - 3.0 * self._r) - 3.0 * self._a)
+            self._a = np.clip(self._a + self._step * jerk, -fastest, fastest)
+            r = self._r + self._step * self._a
+            self._a = np.where(np.abs(r) > limit, 0.0, self._a)
+            self._r = np.clip(r, -limit, limit)
+            self._psi = self._psi + self._step * self._r
+            rudder = self._turning()
+        self._psi = wrap_angle(self._psi)
+        return self._psi, self._r, self._v, rudder
+
+    def _turning(self):
+        """Rudder angle [rad] of the linear ship in this turn; takes its sway one part on."""
+        if self._ship is None:
+            return np.zeros(len(self._r))
+        rudder = self._ship.rudder_for(self._v, self._r, self._a)
+        sway = self._ship.sway_acceleration(self._v, self._r, rudder)
+        self._v = self._v + self._step * sway
+        return rudder
+
+
+@dataclasses.dataclass(frozen=True)
+class Guidance:
+    """Line-of-sight guidance to a track; lengths in L.
+
+    The defaults sail kcs along the random tracks of the tuning seeds with the smallest rms
+    cross-track error among a few; they are not tuned to each ship.
+
+    Attributes
+    ----------
+    look_ahead : float
+        Distance ahead on the leg at which the line of sight meets it.
+    integral : float
+        kappa' of the integral law (ILOS).
+    turn_radius : float
+        Of the turn that is begun before a way-point, with the distance lost until the ship turns.
+    """
+
+    look_ahead: float = 3.0
+    integral: float = 0.1
+    turn_radius: float = 4.0
+
+    def __post_init__(self):
+        check_fields("guidance", self)
+        if np.min(self.look_ahead) <= 0.0:
+            raise ConfigError(f"guidance.look_ahead = {self.look_ahead}: must be positive")

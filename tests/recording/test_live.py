@@ -1,0 +1,149 @@
+"""A live view sends what a recording holds, row by row, and says why it cannot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from ship_gym.config import ConfigError
+from ship_gym.recording import Trajectory, live, panels
+from ship_gym.ships.loader import load_ship
+
+pytest.importorskip("rerun")
+chunk = pytest.importorskip("rerun.chunk")
+
+pytestmark = pytest.mark.filterwarnings("error::rerun.error_utils.RerunWarning")
+
+
+@pytest.fixture(scope="module")
+def ship():
+    return load_ship("kcs")
+
+
+def row_at(t: float, speed: float = 7.0) -> dict[str, float]:
+    """A turn in which forces and reward are zero at first."""
+    psi = 0.01 * t
+    row = {"t": t, "x": speed * 100.0 * math.sin(psi), "y": speed * 100.0 * (1.0 - math.cos(psi))}
+    row |= {"psi": psi, "u": speed, "v": 0.0, "r": 0.01, "delta": 0.1, "n": 1.4}
+    row |= {"psi_ordered": 0.3, "X_hull": -1e5 * t, "Y_hull": 1e4 * t, "N_hull": 1e6 * t}
+    row |= {"X_wave": -1e3 * t, "Y_wave": 1e3 * t, "N_wave": 1e4 * t, "reward": -0.1 * t}
+    return row | {"current_speed": 0.5, "current_direction_to": 1.0, "wave_yaw": 0.0}
+
+
+def streamed(ship, path, rows, track=None) -> Trajectory:
+    view = live.LiveView(ship, "heading_keeping", sink=path)
+    for row in rows:
+        view.show(row, track)
+    view.close()
+    return Trajectory.from_rrd(path)
+
+
+def lengths(path) -> dict[str, int]:
+    """Rows in time of each entity of a file."""
+    found: dict[str, int] = {}
+    for part in chunk.RrdReader(path).stream():
+        if not part.is_static:
+            found[part.entity_path] = found.get(part.entity_path, 0) + part.num_rows
+    return found
+
+
+def test_streamed_rows_read_back(tmp_path, ship):
+    rows = [row_at(float(t)) for t in range(20)]
+    run = streamed(ship, tmp_path / "run.rrd", rows, track=np.array([[0.0, 0.0], [9.0, 9.0]]))
+    assert len(run) == 20
+    for name in run.names:
+        assert run[name].tolist() == [row[name] for row in rows]
+    assert "wave_yaw" not in run  # calm water
+    assert run.meta["task"] == "heading_keeping"
+    assert run.meta["ship"]["L"] == ship.hull.L
+    assert run.meta["waypoints"] == [[0.0, 0.0], [9.0, 9.0]]
+
+
+def test_views_are_those_of_a_recording(tmp_path, ship):
+    rows = [row_at(float(t)) for t in range(20)]
+    run = streamed(ship, tmp_path / "live.rrd", rows)
+    run.to_rrd(tmp_path / "run.rrd")
+    # The live file has every entity of the recording, with as many rows in time; but in its first
+    # row there is no force yet, so no arrow.
+    whole = lengths(tmp_path / "run.rrd")
+    assert whole["/world/at_ship/wave_force"] == 20
+    assert lengths(tmp_path / "live.rrd") == whole | {"/world/at_ship/wave_force": 19}
+    assert chunk.RrdReader(tmp_path / "live.rrd").blueprints()
+    files = (tmp_path / "live.rrd", tmp_path / "run.rrd")
+    entities = [{part.entity_path for part in chunk.RrdReader(path).stream()} for path in files]
+    assert entities[0] == entities[1]
+
+
+def test_the_sea_grows_with_the_way(tmp_path, ship):
+    rows = [row_at(float(t), speed=100.0) for t in range(60)]  # leaves the first area
+    assert len(streamed(ship, tmp_path / "run.rrd", rows)) == 60
+
+
+def test_a_row_of_the_past_begins_a_new_episode(tmp_path, ship):
+    view = live.LiveView(ship, "heading_keeping", sink=tmp_path / "run.rrd")
+    for t in (0.0, 1.0, 1.0, 2.0, 0.0, 1.0):
+        view.show(row_at(t))
+    assert (tmp_path / "run.rrd").is_file()  # the first episode is over
+    view.close()
+    view.close()
+    assert Trajectory.from_rrd(tmp_path / "run.rrd")["t"].tolist() == [0.0, 1.0, 2.0]
+    assert Trajectory.from_rrd(tmp_path / "run_2.rrd")["t"].tolist() == [0.0, 1.0]
+
+
+def test_the_unit_of_forces_stays_that_of_the_ship():
+    small = {"X_hull": np.array([0.0, 10.0])}
+    titles = [panel.title for panel in panels.motion_panels(small, {"X": 2e6, "Y": 1.0, "N": 1.0})]
+    assert titles == ["X: surge force [MN]"]
+    assert [panel.title for panel in panels.motion_panels(small)] == ["X: surge force [N]"]
+
+
+@pytest.mark.parametrize("sink", ["run.mp4", "http://127.0.0.1:9876/proxy", ""])
+def test_other_sinks_are_refused(ship, sink):
+    with pytest.raises(ConfigError, match=r"sink = .*allowed is a file '\*\.rrd'"):
+        live.LiveView(ship, "heading_keeping", sink=sink)
+
+
+def test_a_viewer_that_does_not_listen_is_noticed(ship):
+    with pytest.raises(RuntimeError, match=r"no viewer listens .*rgb_array"):
+        live.LiveView(ship, "heading_keeping", sink="rerun+http://127.0.0.1:9/proxy")
+
+
+def test_no_screen_is_said_at_once(monkeypatch, ship):
+    monkeypatch.setattr(live.sys, "platform", "linux")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    with pytest.raises(RuntimeError, match=r"no screen .*rgb_array.*scripts/record\.py"):
+        live.LiveView(ship, "heading_keeping")
+
+
+def test_a_viewer_that_cannot_start_is_said(monkeypatch, ship):
+    monkeypatch.setenv("DISPLAY", ":0")
+
+    def fail(*_):
+        raise RuntimeError("Failed to find Rerun Viewer executable in PATH.")
+
+    view = live.LiveView(ship, "heading_keeping")
+    monkeypatch.setattr(view._rerun, "open_stream", fail)
+    with pytest.raises(RuntimeError, match=r"cannot be opened: Failed to find .*rgb_array"):
+        view.show(row_at(0.0))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"psi": math.nan}, "psi = nan: must be finite"),
+        ({"extra": 1.0}, "first row of the episode"),
+    ],
+)
+def test_rows_that_do_not_fit_are_refused(tmp_path, ship, change, message):
+    view = live.LiveView(ship, "heading_keeping", sink=tmp_path / "run.rrd")
+    view.show(row_at(0.0))
+    with pytest.raises(ConfigError, match=message):
+        view.show(row_at(1.0) | change)
+    with pytest.raises(ConfigError, match="needs 't'"):
+        view.show({"psi": 0.0})
+    view.show(row_at(1.0))
+    view.close()
+    assert len(Trajectory.from_rrd(tmp_path / "run.rrd")) == 2
