@@ -1,0 +1,138 @@
+"""Episodes end as they should, with the right flags; observations stay inside their bounds."""
+
+import functools
+import operator
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import ship_gym
+from agents.pid import PID
+from ship_gym.evaluation import rollout
+from ship_gym.evaluation.controller import ConstantController
+from ship_gym.tasks.bridge import ARRIVED, HEADING_LIMIT, RUNNING, TRACK_LIMIT
+
+IDS = sorted(ship_gym.ENVIRONMENTS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("privileged", [False, True])
+@pytest.mark.parametrize("env_id", IDS)
+def test_a_million_random_steps_stay_inside_the_declared_bounds(env_id, privileged):
+    """Half of the ships change their action every step, half hold it for half a minute."""
+    envs = gym.make_vec(env_id, num_envs=2000, control="rudder+rpm", privileged=privileged)
+    rng = np.random.default_rng(0)
+    observations, _ = envs.reset(seed=0)
+    actions = rng.uniform(-1.0, 1.0, (2000, 2))
+    ended = 0
+    for k in range(500):
+        fresh = rng.uniform(-1.0, 1.0, (2000, 2))
+        actions[:1000] = fresh[:1000]
+        if k % 30 == 0:
+            actions[1000:] = fresh[1000:]
+        observations, rewards, terminated, truncated, _ = envs.step(actions)
+        assert envs.observation_space.contains(observations)
+        assert np.isfinite(rewards).all() and (rewards <= 0.0).all()
+        ended += terminated.sum() + truncated.sum()
+    assert ended > 100
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_terms_sum_to_the_reward_bit_for_bit(env_id):
+    envs = gym.make_vec(env_id, num_envs=50, control="rudder+rpm")
+    envs.reset(seed=3)
+    rng = np.random.default_rng(1)
+    for _ in range(60):
+        _, rewards, _, _, info = envs.step(rng.uniform(-1.0, 1.0, (50, 2)))
+        terms = [v for k, v in info["reward_terms"].items() if not k.startswith("_")]
+        total = functools.reduce(operator.add, terms)
+        begun = info["time"] > 0.0  # a reset pays nothing
+        assert (total[begun] == rewards[begun]).all()
+
+
+def outcome(controller, scenario, seeds=range(8), **overrides):
+    sailed = rollout(controller, scenario, seeds=list(seeds), overrides=overrides)
+    return sailed.outcomes, sailed
+
+
+def test_a_frozen_rudder_loses_the_heading_or_runs_out_of_time():
+    outcomes, sailed = outcome(ConstantController(), "heading_keeping")
+    assert set(outcomes.tolist()) <= {RUNNING, HEADING_LIMIT} and (outcomes == HEADING_LIMIT).any()
+    for i, o in enumerate(outcomes):
+        meta = sailed.trajectory(i).meta
+        assert meta["failed"] == meta["terminated"] == (o == HEADING_LIMIT)
+        assert meta["truncated"] == (o == RUNNING)
+        assert (sailed.lengths[i] == 600) == (o == RUNNING)
+
+
+def test_a_frozen_rudder_leaves_the_track_at_its_first_turn():
+    outcomes, _ = outcome(ConstantController(), "track_square", **{"duration": 1500.0})
+    assert (outcomes == TRACK_LIMIT).all()
+
+
+def test_a_rudder_hard_over_turns_past_the_limit_and_circles_beside_the_track():
+    overrides = {"sea.states": ["ss3"]}
+    outcomes, _ = outcome(ConstantController(1.0), "heading_keeping", **overrides)
+    assert (outcomes == HEADING_LIMIT).all()
+    # a circle of 3 L stays within 5 L of the track, but does not arrive
+    outcomes, sailed = outcome(ConstantController(1.0), "track_calm")
+    assert (outcomes == RUNNING).all() and (sailed.lengths == 2700).all()
+    assert sailed.trajectory(0).meta["outcome"] == "end of time"
+
+
+class BangBang:
+    """Rudder at 20 deg to one side or the other, by the sign of the error and its rate."""
+
+    name = "bang-bang"
+
+    def reset(self, count, ship, scenario):
+        self.size = np.radians(20.0) / ship.gear.delta_max
+        self.column = 13 if scenario.on_track else 0
+
+    def act(self, observations):
+        seen = observations[:, self.column] + 1.5 * observations[:, 2]
+        return -self.size * np.sign(seen)[:, None]
+
+
+@pytest.mark.parametrize("scenario", ["heading_keeping", "course_changing", "track_following"])
+def test_bang_bang_steers_badly_but_to_the_end(scenario):
+    outcomes, sailed = outcome(BangBang(), scenario, **{"sea.states": ["ss4"]})
+    assert (outcomes == (ARRIVED if scenario == "track_following" else RUNNING)).all()
+    travel = np.abs(np.diff(sailed.histories["states"][:600, :, 6], axis=0)).sum(axis=0)
+    assert (travel > 5.0).all()  # rad: it works the gear
+
+
+def test_random_actions_end_by_a_limit_or_by_time_but_never_arrive():
+    envs = gym.make_vec(IDS[-1], num_envs=40, autoreset_mode="SameStep")
+    envs.reset(seed=0)
+    rng = np.random.default_rng(0)
+    seen = []
+    for k in range(2700):
+        if k % 60 == 0:
+            actions = rng.uniform(-1.0, 1.0, (40, 1))
+        _, _, terminated, truncated, info = envs.step(actions)
+        done = terminated | truncated
+        if done.any():
+            assert (info["final_info"]["is_success"][done] == 0).all()
+            seen += info["final_info"]["outcome"][done].tolist()
+    assert len(seen) > 40 and set(seen) <= {RUNNING, TRACK_LIMIT}
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_an_episode_seeded_twice_is_the_same_record(env_id, tmp_path):
+    pytest.importorskip("rerun")
+    name = ship_gym.ENVIRONMENTS[env_id]
+    runs = []
+    for k in range(2):
+        one = rollout(BangBang(), name, seeds=[7], overrides={"duration": 120.0}).trajectory(0)
+        one.to_rrd(tmp_path / f"{k}.rrd")
+        runs.append(ship_gym.Trajectory.from_rrd(tmp_path / f"{k}.rrd"))
+    assert runs[0].meta == runs[1].meta and list(runs[0].columns) == list(runs[1].columns)
+    for column in runs[0].columns:
+        assert (runs[0][column] == runs[1][column]).all(), column
+
+
+def test_course_changes_are_followed_by_the_pid():
+    outcomes, _ = outcome(PID(), "course_changing")
+    assert (outcomes == RUNNING).all()
