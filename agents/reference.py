@@ -142,7 +142,7 @@ class Guidance:
     """Line-of-sight guidance to a track; lengths in L.
 
     The defaults sail kcs along the random tracks of the tuning seeds with the smallest rms
-    cross-track error among a few; they are not tuned to each ship.
+    cross-track error among some ten; they are not tuned to each ship.
 
     Attributes
     ----------

@@ -10,7 +10,7 @@ import numpy as np
 from agents.pid import PID
 from ship_gym import load_ship
 from ship_gym.conventions import KNOT, G, N
-from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.evaluation import rollout
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.plotting.seaway import (
     HeadingRun,
@@ -21,7 +21,6 @@ from ship_gym.plotting.seaway import (
 from ship_gym.recording import Trajectory
 from ship_gym.reports.case import Case, sail
 from ship_gym.reports.manoeuvre import wave_share
-from ship_gym.scenarios.scenario import load_scenario
 from ship_gym.sea.sea_states import sea_state
 from ship_gym.sea.state import irregular_sea
 from ship_gym.simulation import ShipSim, history_columns
@@ -70,36 +69,28 @@ def circle_row(case: Case) -> list[str]:
 
 
 def heading_runs(controller: Controller) -> list[Trajectory]:
-    """KCS to the north in irregular waves from each direction, without wind and current."""
+    """KCS on one heading in irregular waves from each direction, without wind and current.
+
+    The heading ordered is called north: ``psi`` of the recordings is the heading error.
+    """
     state = sea_state(SEA_STATE)
     overrides = {
         "duration": 60.0 * MINUTES,
         "start.heading_error_deg": 0.0,
         "limits.heading_error_deg": 180.0,
         "sea.current_speed": 0.0,
-        "sea.sway_disturbance": 0.0,
-        "sea.yaw_disturbance": 0.0,
+        "sea.states": [],
+        "sea.gusts": False,
         "sea.wave_height": state.height,
         "sea.wave_height_min": state.height,
         "sea.peak_period": state.peak_period,
-        "sea.wind_speed": 0.0,
     }
-    batch = EpisodeBatch(len(WAVES_FROM), load_scenario("heading_keeping", overrides))
-    # order of the draws: heading order and error (both 0 here), current, phases, then the waves'
-    # height, the direction they go to (0 is south, 0.5 north) and the wind; phases of one seed
-    draws = np.tile(np.random.default_rng(1).random(batch.n_draws), (batch.n, 1))
-    draws[:, :2] = 0.5
-    draws[:, batch.n_draws - 2] = np.array(WAVES_FROM) / 360.0
-    batch.start(np.arange(batch.n), draws)
-    controller.reset(batch.n, batch.ship, batch.scenario)
-    rows = []
-    for _ in range(batch.scenario.steps):
-        sim = batch.sim
-        before = [a.copy() for a in (sim.time, sim.state, sim.waves)]
-        batch.step(controller.act(batch.observations))
-        after = [a.copy() for a in (sim.commands, sim.forces, sim.flow)]
-        rows.append((*before[:2], *after, before[2]))
-    return histories(rows)
+    runs = []
+    for angle in WAVES_FROM:
+        given = overrides | {"sea.wave_encounter_deg": 180.0 - angle}
+        run = rollout(controller, seeds=[1], overrides=given).trajectory(0)
+        runs.append(Trajectory(run.columns | {"psi": run["psi_error"]}, run.meta))
+    return runs
 
 
 def drifting_runs(speed: float, minutes: float) -> list[Trajectory]:

@@ -13,7 +13,7 @@ PY="$VENV/bin/python"
 # or wheel folder offers one, and the `rl` extra (torch>=2.13) then finds itself satisfied. On a
 # machine whose index offers a CUDA build only, the same line works; the download is just larger.
 TORCH="torch==2.13.0"
-EXTRAS="rl,fit,rerun,plot,bem,dev"
+EXTRAS="rl,fit,rerun,plot,bem,geo,render,dev"
 
 # Holds "unfinished" while we install, then the fingerprint of what was installed.
 STAMP="$VENV/.ship-gym-stamp"
@@ -68,7 +68,8 @@ root, names = sys.argv[1], sys.argv[2:]
 specs = {name: util.find_spec(name) for name in names}
 here = pathlib.Path(specs["ship_gym"].origin).resolve().parent.parent == pathlib.Path(root)
 sys.exit(not (here and all(specs.values())))' "$ROOT" ship_gym numpy scipy numba gymnasium torch \
-        stable_baselines3 sklearn rerun matplotlib pytest xdist hypothesis 2>/dev/null &&
+        stable_baselines3 sb3_contrib sklearn rerun matplotlib pyproj PIL moviepy \
+        pytest xdist hypothesis 2>/dev/null &&
         [ -x "$VENV/bin/ruff" ] && [ -x "$VENV/bin/lint-imports" ]
 }
 

@@ -20,8 +20,10 @@ def main() -> None:
     repeats, seconds = (2, 0.03) if args.quick else (7, 0.4)
     jobs = list(speed.jobs())
     steps = [speed.measure(job, repeats, seconds) for job in progress(jobs, "measuring")]
+    n, repeats = (64, 3) if args.quick else (4096, 30)
+    overhead = [speed.overhead(name, n, repeats) for name in speed.COMPARED]
     start = speed.start_times(cold=not args.quick)
-    data = {"machine": speed.machine(), "steps": steps, "start": start}
+    data = {"machine": speed.machine(), "steps": steps, "overhead": overhead, "start": start}
     show(args.json, data, speed.as_text(data))
 
 

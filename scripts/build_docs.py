@@ -8,8 +8,8 @@ from pathlib import Path
 from _cli import parser, progress, run, show
 
 from agents import make_controller
-from ship_gym import ENVIRONMENTS
-from ship_gym.reports.environment_pages import name_of, outdated, picture, write_pages
+from ship_gym.evaluation.still import still
+from ship_gym.reports.environment_pages import MOMENTS, name_of, outdated, write_pages
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "environments"
 EXAMPLES = (
@@ -27,26 +27,25 @@ def arguments():
     return p.parse_args()
 
 
-def write_pictures(folder: Path) -> list[Path]:
-    """One picture for each id, steered by the PID."""
-    from ship_gym.rendering.png import save_png
-
-    paths = []
-    for env_id in progress(ENVIRONMENTS, "pictures"):
-        paths.append(folder / f"{name_of(env_id)}.png")
-        save_png(picture(env_id, make_controller("pid")), paths[-1])
-    return paths
+def check(folder: Path, as_json: bool) -> None:
+    """Exit with code 1 if a page is not what it would be if it were written now."""
+    old = outdated(folder)
+    text = f"not up to date in {folder}: {', '.join(old)}; run python scripts/build_docs.py"
+    show(as_json, {"folder": str(folder), "outdated": old}, text if old else "up to date")
+    sys.exit(1 if old else 0)
 
 
 def main() -> None:
     args = arguments()
     if args.check:
-        old = outdated(args.out)
-        text = f"not up to date in {args.out}: {', '.join(old)}; run python scripts/build_docs.py"
-        show(args.json, {"folder": str(args.out), "outdated": old}, text if old else "up to date")
-        sys.exit(1 if old else 0)
-    files = [] if args.no_pictures else write_pictures(args.out)
-    files += write_pages(args.out)
+        check(args.out, args.json)
+    if not args.no_pictures:
+        from ship_gym.rendering.png import save_png  # first: its library may be missing
+    files = write_pages(args.out)
+    for env_id in progress(() if args.no_pictures else MOMENTS, "pictures"):
+        files.append(args.out / f"{name_of(env_id)}.png")
+        name, seed, intervals = MOMENTS[env_id]
+        save_png(still(make_controller(name), env_id, seed, intervals), files[-1])
     wrote = "\n".join(f"wrote {file}" for file in files)
     show(args.json, {"files": [str(file) for file in files]}, wrote)
 

@@ -22,7 +22,9 @@ def arguments():
     p = parser(f"{__doc__} Intervals: 95 % bootstrap over the episodes.", EXAMPLES)
     p.add_argument("--policy", help="folder or file of a trained policy")
     p.add_argument("--controllers", nargs="*", default=["pid", "constant"], help="sail these too")
-    p.add_argument("--scenario", help="name or TOML file (default: the policy's, else heading_keeping)")
+    p.add_argument(
+        "--scenario", help="name or TOML file (default: the policy's, else heading_keeping)"
+    )
     p.add_argument("--ship", help="name or ship file (default: the policy's, else the scenario's)")
     p.add_argument("--control", help="rudder or rudder+rpm (default: the policy's, else rudder)")
     p.add_argument("--episodes", type=int, default=32, help="number of seeds (default 32)")

@@ -23,7 +23,9 @@ def arguments():
     who = p.add_mutually_exclusive_group()
     who.add_argument("--policy", help="folder or file of a trained policy")
     who.add_argument("--controller", default="pid", help="pid (default) or constant")
-    p.add_argument("--scenario", help="name or TOML file (default: the policy's, else heading_keeping)")
+    p.add_argument(
+        "--scenario", help="name or TOML file (default: the policy's, else heading_keeping)"
+    )
     p.add_argument("--ship", help="name or ship file (default: the policy's, else the scenario's)")
     p.add_argument("--control", help="rudder or rudder+rpm (default: the policy's, else rudder)")
     p.add_argument("--seed", type=int, default=EVALUATION_SEED, help=f"default {EVALUATION_SEED}")

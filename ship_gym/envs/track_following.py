@@ -76,12 +76,12 @@ class TrackFollowing(ShipEnv):
     - Termination: the last way-point is reached (within 2 L, or abeam of it); `info["is_success"]`
       is then true. Or the cross-track error exceeds 5 L, with the `termination` term.
       `info["outcome"]` tells them apart.
-    - Truncation: 2700 s (full scale), inside the environment.
+    - Truncation: 3600 s (full scale), inside the environment.
 
     ## Arguments
     ```python
     gym.make("ShipGym/TrackFollowing-v0", ship="kcs", control="rudder", surrogate=None,
-             privileged=False, overrides={"sea.states": ["ss5"], "duration": 3600.0})
+             privileged=False, overrides={"sea.states": ["ss5"], "duration": 4800.0})
     ```
 
     - `ship`: one of `ship_gym.available_ships()`, the path of a ship file, or a `Ship`. Times, sea,

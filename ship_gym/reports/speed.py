@@ -16,6 +16,8 @@ import gymnasium as gym
 import numpy as np
 
 from ship_gym.envs.env import ShipEnv
+from ship_gym.envs.registration import ENVIRONMENTS
+from ship_gym.envs.vector_env import ShipVectorEnv
 from ship_gym.provenance import provenance
 from ship_gym.reports.text import table
 from ship_gym.sea.state import load_sea
@@ -25,6 +27,8 @@ from ship_gym.simulation import ShipSim
 COUNTS = (1, 64, 4096)
 SHIP_ENV = "ShipGym/HeadingKeeping-v0"
 YARDSTICK = "CartPole-v1"
+SEA = "ss5"
+COMPARED = (*ENVIRONMENTS.values(), "heading_calm")  # scenarios whose overhead is measured
 _COMPARED = 1024  # ships, to compare a table surrogate with the analytic step
 _PREPARED = 32  # different action batches, drawn before the clock starts
 _FIRST_STEP = (
@@ -65,10 +69,12 @@ def best_of(call: Callable[[int], Any], repeats: int, seconds: float) -> dict[st
     return {"seconds": min(times), "spread_percent": 100.0 * (max(times) / min(times) - 1.0)}
 
 
-def physics_step(n: int, parallel: bool, surrogate: str | None = None) -> Callable[[int], Any]:
+def physics_step(
+    n: int, parallel: bool, surrogate: str | None = None, sea: str = "disturbed_current"
+) -> Callable[[int], Any]:
     """One ``ShipSim.step`` of n KCS by one control interval (1 s) under random commands."""
     ship = load_ship("kcs", surrogate=surrogate)
-    sim = ShipSim(ship, n, load_sea("disturbed_current"), parallel)
+    sim = ShipSim(ship, n, load_sea(sea), parallel)
     sim.reset(0)
     rudder = np.random.default_rng(0).uniform(-1.0, 1.0, (_PREPARED, n)) * ship.gear.delta_max
     order = np.broadcast_to(sim.state[:, -1], (_PREPARED, n))
@@ -106,6 +112,12 @@ def jobs(counts: tuple[int, ...] = COUNTS) -> Iterator[tuple[str, int, Callable[
             yield f"ShipSim.step, {mode}", n, lambda n=n, p=parallel: physics_step(n, p)
         for mode, parallel in (("serial", False), ("parallel", True)):
             yield (
+                f"ShipSim.step in waves, {mode}",
+                n,
+                lambda n=n, p=parallel: physics_step(n, p, sea=SEA),
+            )
+        for mode, parallel in (("serial", False), ("parallel", True)):
+            yield (
                 f"ShipVectorEnv.step, {mode}",
                 n,
                 lambda n=n, p=parallel: vector_step(SHIP_ENV, n, parallel=p),
@@ -118,7 +130,8 @@ def jobs(counts: tuple[int, ...] = COUNTS) -> Iterator[tuple[str, int, Callable[
             _COMPARED,
             lambda s=surrogate: physics_step(_COMPARED, False, s),
         )
-    yield "ShipEnv.step", 1, lambda: scalar_step(ShipEnv())
+    for env_id, scenario in ENVIRONMENTS.items():
+        yield f"{env_id} step", 1, lambda s=scenario: scalar_step(ShipEnv(scenario=s))
     yield f"gym.make({YARDSTICK}).step", 1, lambda: scalar_step(gym.make(YARDSTICK))
 
 
@@ -127,6 +140,30 @@ def measure(job: tuple[str, int, Callable[[], Callable]], repeats: int, seconds:
     name, n, make = job
     found = best_of(make(), repeats, seconds)
     return {"name": name, "n": n, **found, "steps_per_second": n / found["seconds"]}
+
+
+def overhead(scenario: str, n: int, repeats: int) -> dict[str, Any]:
+    """What a vector environment costs beside its physics, one thread, in turns.
+
+    Returns
+    -------
+    dict
+        ``physics`` and ``step`` [s] of one step of all n ships, processor time, best of `repeats`;
+        ``percent``, 100 (step - physics) / physics.
+    """
+    envs = ShipVectorEnv(n, scenario=scenario, parallel=False)
+    envs.reset(seed=0)
+    actions = np.zeros((n, 1))
+    calls = (envs.episodes.sim.advance, lambda: envs.step(actions))
+    times: tuple[list[float], list[float]] = ([], [])
+    for _ in range(repeats + 1):
+        for call, found in zip(calls, times, strict=True):
+            start = time.process_time()
+            call()
+            found.append(time.process_time() - start)
+    physics, step = (min(found[1:]) for found in times)
+    percent = 100.0 * (step / physics - 1.0)
+    return {"scenario": scenario, "n": n, "physics": physics, "step": step, "percent": percent}
 
 
 def start_times(cold: bool = True) -> dict[str, float]:
@@ -166,7 +203,7 @@ def machine() -> dict[str, Any]:
 
 
 def as_text(data: dict[str, Any]) -> str:
-    """Timings as an aligned table, from ``{"machine", "steps", "start"}``."""
+    """Timings as an aligned table, from ``{"machine", "steps", "overhead", "start"}``."""
     host = data["machine"]
     cells = [
         [
@@ -183,6 +220,12 @@ def as_text(data: dict[str, Any]) -> str:
         "one step = one control interval (1 s at sea) of one ship; best of several repeats",
         "",
         table(["", "n", "steps/s", "us per call", "spread"], cells),
+        "",
+        *(
+            f"{o['scenario']}, n = {o['n']}: task, observation, reward and info cost "
+            f"{o['percent']:.0f} % of the physics ({1e6 * o['physics'] / o['n']:.2f} us a ship)"
+            for o in data["overhead"]
+        ),
         "",
         *(f"{name.replace('_', ' ')}: {t:.2f} s" for name, t in data["start"].items()),
     ]

@@ -34,12 +34,14 @@ class Scenario:
     ----------
     task : str
         One of `TASKS`.
-    ship, surrogate : str
-        As ``ships.load_ship`` takes them.
+    ship : str
+        One of ``available_ships()`` or the path of a ship file.
+    surrogate : str
+        One of ``available_surrogates(ship)``; None: the ship's own.
     control : str
         ``rudder`` or ``rudder+rpm``.
     control_interval, duration : float
-        Seconds at full scale; a model gets them Froude-scaled.
+        At full scale [s]; a model gets them Froude-scaled.
     privileged : bool
         Append what no bridge knows to the observation: waves, wind, current and forces.
     start, sea, limits, reward, course, track, sensors, randomisation, failure

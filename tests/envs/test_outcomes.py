@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 import ship_gym
+from agents.los import ILOS, LOSPID
 from agents.pid import PID
 from ship_gym.evaluation import rollout
 from ship_gym.evaluation.controller import ConstantController
+from ship_gym.evaluation.rollout import tuning_seeds
+from ship_gym.scenarios import load_scenario
 from ship_gym.tasks.bridge import ARRIVED, HEADING_LIMIT, RUNNING, TRACK_LIMIT
 
 IDS = sorted(ship_gym.ENVIRONMENTS)
@@ -77,7 +80,7 @@ def test_a_rudder_hard_over_turns_past_the_limit_and_circles_beside_the_track():
     assert (outcomes == HEADING_LIMIT).all()
     # a circle of 3 L stays within 5 L of the track, but does not arrive
     outcomes, sailed = outcome(ConstantController(1.0), "track_calm")
-    assert (outcomes == RUNNING).all() and (sailed.lengths == 2700).all()
+    assert (outcomes == RUNNING).all() and (sailed.lengths == 3600).all()
     assert sailed.trajectory(0).meta["outcome"] == "end of time"
 
 
@@ -103,20 +106,22 @@ def test_bang_bang_steers_badly_but_to_the_end(scenario):
     assert (travel > 5.0).all()  # rad: it works the gear
 
 
-def test_random_actions_end_by_a_limit_or_by_time_but_never_arrive():
+def test_random_actions_end_by_a_limit_or_by_time_and_hardly_ever_arrive():
     envs = gym.make_vec(IDS[-1], num_envs=40, autoreset_mode="SameStep")
     envs.reset(seed=0)
     rng = np.random.default_rng(0)
     seen = []
-    for k in range(2700):
+    for k in range(3600):
         if k % 60 == 0:
             actions = rng.uniform(-1.0, 1.0, (40, 1))
         _, _, terminated, truncated, info = envs.step(actions)
         done = terminated | truncated
         if done.any():
-            assert (info["final_info"]["is_success"][done] == 0).all()
+            arrived = info["final_info"]["outcome"][done] == ARRIVED
+            assert (info["final_info"]["is_success"][done] == arrived).all()
             seen += info["final_info"]["outcome"][done].tolist()
-    assert len(seen) > 40 and set(seen) <= {RUNNING, TRACK_LIMIT}
+    assert len(seen) > 40 and {RUNNING, TRACK_LIMIT} <= set(seen)
+    assert seen.count(ARRIVED) < 0.05 * len(seen)
 
 
 @pytest.mark.parametrize("env_id", IDS)
@@ -133,6 +138,20 @@ def test_an_episode_seeded_twice_is_the_same_record(env_id, tmp_path):
         assert (runs[0][column] == runs[1][column]).all(), column
 
 
-def test_course_changes_are_followed_by_the_pid():
-    outcomes, _ = outcome(PID(), "course_changing")
-    assert (outcomes == RUNNING).all()
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ship_gym.available_scenarios())
+def test_classical_autopilots_complete_every_scenario(name):
+    """On a random track in sea state 6 (wind to 22 m/s) one ship in twenty may be driven off."""
+    seeds = tuning_seeds(32)
+    if load_scenario(name).on_track:
+        for controller in (LOSPID(), ILOS()):
+            arrived = outcome(controller, name, seeds)[0] == ARRIVED
+            assert arrived.mean() >= (0.95 if name == "track_following" else 1.0)
+    else:
+        assert (outcome(PID(), name, seeds)[0] == RUNNING).all()
+
+
+def test_classical_autopilots_complete_every_task():
+    for name in ("heading_keeping", "course_changing"):
+        assert (outcome(PID(), name)[0] == RUNNING).all()
+    assert (outcome(ILOS(), "track_following")[0] == ARRIVED).all()

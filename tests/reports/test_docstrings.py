@@ -1,0 +1,59 @@
+import pytest
+
+from ship_gym.reports.docstrings import Field, fields, intro, returned, table
+
+
+def documented():
+    """First line, with
+    a second.
+
+    A paragraph with ``code``.
+
+    Parameters
+    ----------
+    one : float
+        Of this, over
+        two lines [m].
+    low, high : float
+        Bounds.
+    silent : bool
+
+    Returns
+    -------
+    dict
+        ``a`` [m]; ``b``
+        in words. Also ``c``.
+
+    Raises
+    ------
+    ConfigError
+        Never.
+    """
+
+
+def plain():
+    """Only a line."""
+
+
+def test_fields():
+    both = Field(("low", "high"), "Bounds.")
+    assert fields(documented) == {
+        "one": Field(("one",), "Of this, over two lines [m]."),
+        "low": both,
+        "high": both,
+        "silent": Field(("silent",), ""),
+    }
+    assert fields(plain) == {}
+
+
+def test_intro_and_returned():
+    assert intro(documented) == "First line, with a second.\n\nA paragraph with `code`."
+    assert intro(plain) == "Only a line."
+    assert returned(documented) == ["`a` [m]", "`b` in words", "Also `c`"]
+
+
+def test_table():
+    assert table(("A", "B"), [["a|b", "c"]]) == "| A | B |\n| --- | --- |\n| a\\|b | c |"
+    for rows in ([], [["only one"]]):
+        with pytest.raises(ValueError, match="2 cells"):
+            table(("A", "B"), rows)
