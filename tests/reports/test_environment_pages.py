@@ -26,6 +26,10 @@ from ship_gym.tasks import observations_of
 
 pages = functools.lru_cache(environment_pages.pages)
 
+DOCS = Path(__file__).parents[2] / "docs" / "environments"
+IDS = list(ENVIRONMENTS)
+PAGES = [*(f"{name_of(env_id)}.md" for env_id in IDS), INDEX, SCENARIOS]
+
 
 def rows_of(text, columns):
     """Rows of all tables with a number of columns, as lists of cells, without their headers."""
