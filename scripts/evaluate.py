@@ -7,7 +7,7 @@ from pathlib import Path
 
 from _cli import parser, progress, run, show
 
-from agents import make_controller, trained_for
+from agents import default_controllers, make_controller, trained_for
 from ship_gym.evaluation import compare, evaluation_seeds, rollout, table
 from ship_gym.evaluation.rollout import begin
 from ship_gym.provenance import atomic_path
@@ -21,7 +21,9 @@ EXAMPLES = (
 def arguments():
     p = parser(f"{__doc__} Intervals: 95 % bootstrap over the episodes.", EXAMPLES)
     p.add_argument("--policy", help="folder or file of a trained policy")
-    p.add_argument("--controllers", nargs="*", default=["pid", "constant"], help="sail these too")
+    p.add_argument(
+        "--controllers", nargs="*", help="sail these too (default: pid constant, or ilos los_pid)"
+    )
     p.add_argument(
         "--scenario", help="name or TOML file (default: the policy's, else heading_keeping)"
     )
@@ -35,11 +37,15 @@ def arguments():
     return p.parse_args()
 
 
-def sail(names: list[str], seeds: list[int], **env) -> list:
+def sail(policy: str | None, others: list[str] | None, seeds: list[int], **env) -> list:
     """One rollout for each controller, all of them refused before the first one sails."""
-    controllers = [make_controller(name) for name in names]
-    env = {**trained_for(controllers[0]), **{k: v for k, v in env.items() if v is not None}}
+    controllers = [make_controller(policy)] if policy else []
+    known = trained_for(controllers[0]) if policy else {}
+    env = {**known, **{k: v for k, v in env.items() if v is not None}}
     start = begin(seeds[:1], **env)
+    if others is None:
+        others = default_controllers(start.scenario.on_track)
+    controllers += [make_controller(name) for name in others]
     for controller in controllers:
         controller.reset(1, start.ship, start.scenario)
     return [
@@ -50,17 +56,17 @@ def sail(names: list[str], seeds: list[int], **env) -> list:
 
 def main() -> None:
     args = arguments()
-    names = [name for name in (args.policy, *args.controllers) if name]
     seeds = evaluation_seeds(args.episodes)
-    rollouts = sail(names, seeds, scenario=args.scenario, ship=args.ship, control=args.control)
+    env = {"scenario": args.scenario, "ship": args.ship, "control": args.control}
+    rollouts = sail(args.policy, args.controllers, seeds, **env)
     sailed = [r.controller for r in rollouts]
-    found = compare(rollouts, "pid" if "pid" in sailed else None)
+    found = compare(rollouts, next((name for name in ("pid", "ilos") if name in sailed), None))
     folder = Path(args.policy) if args.policy and Path(args.policy).is_dir() else Path("runs")
     out = args.out or folder / "evaluation.json"
     with atomic_path(out) as temporary:
         temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    following = f"--policy {args.policy}" if args.policy else f"--controller {names[0]}"
-    for option in ("ship", "control"):
+    following = f"--policy {args.policy}" if args.policy else f"--controller {sailed[0]}"
+    for option in ("scenario", "ship", "control"):
         value = getattr(args, option)
         following += f" --{option} {value}" if value else ""
     text = (

@@ -22,7 +22,7 @@ def arguments():
     p = parser(__doc__, EXAMPLES)
     who = p.add_mutually_exclusive_group()
     who.add_argument("--policy", help="folder or file of a trained policy")
-    who.add_argument("--controller", default="pid", help="pid (default) or constant")
+    who.add_argument("--controller", default="pid", help="pid (default), los_pid, ilos or constant")
     p.add_argument(
         "--scenario", help="name or TOML file (default: the policy's, else heading_keeping)"
     )

@@ -26,11 +26,12 @@ def summary(card: Mapping[str, Any], out: str | Path) -> str:
     """How training went, where the policy is and what to do next."""
     best, seconds = card["best"], card["seconds"]
     rate = card["samples"] / seconds
-    history = "  ".join(f"{found['J']:.1f}" for found in card["validations"])
+    name, unit = ("J", "deg2") if "J" in best else ("rms_cross_track", "L")
+    history = "  ".join(f"{found[name]:.4g}" for found in card["validations"])
     return (
         f"{card['samples']} samples in {seconds:.0f} s, {rate:.0f} per second\n"
-        f"validation J [deg2]: {history}\n"
-        f"best: J {best['J']:.2f} deg2, return {best['return']:.2f}, success "
+        f"validation {name} [{unit}]: {history}\n"
+        f"best: {name} {best[name]:.4g} {unit}, return {best['return']:.2f}, success "
         f"{best['success']:.0%}, after {best['samples']} samples\n"
         f"wrote {Path(out) / 'policy.zip'}, card.json and checkpoint\n"
         f"next: python scripts/evaluate.py --policy {out}{_environment(card)}"
