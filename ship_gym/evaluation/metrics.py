@@ -158,13 +158,13 @@ def _track_metrics(trajectory: Trajectory) -> dict[str, float]:
     meta = trajectory.meta
     L = meta["ship"]["L"]
     legs = trajectory["leg"][:-1].astype(int)
-    ends = cross_track(np.array(meta["track"]), legs, trajectory["x"][1:], trajectory["y"][1:])
+    ends = cross_track(np.array(meta["waypoints"]), legs, trajectory["x"][1:], trajectory["y"][1:])
     judged = _to_the_end(trajectory, ends / L, meta["config"]["limits"]["cross_track"])
     arrived = meta["outcome"] == OUTCOMES[ARRIVED]
     sailed = (trajectory["t"][-1] - trajectory["t"][0]) * math.sqrt(meta["ship"]["scale"])
     return {
         "rms_cross_track": math.sqrt(np.mean(judged * judged)),
-        "max_cross_track": float(max(np.abs(ends).max(), abs(trajectory["cross_track"][0])) / L),
+        "max_cross_track": float(max(np.abs(ends).max(), abs(trajectory["cross_track_error"][0])) / L),
         "voyage_time": float(sailed if arrived else meta["config"]["duration"]),
     }
 

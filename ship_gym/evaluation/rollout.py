@@ -134,9 +134,13 @@ class Rollout:
         if self.scenario.on_track:
             columns["leg"] = self.histories["legs"][rows, i]
             place = (columns["leg"].astype(int), columns["x"], columns["y"])
-            columns["cross_track"] = cross_track(self.plans[i], *place)
+            columns["cross_track_error"] = cross_track(self.plans[i], *place)
         columns["current_speed"] = np.full(len(columns["t"]), self.current[i, 0])
         columns["current_direction_to"] = np.full(len(columns["t"]), self.current[i, 1])
+        if self.weather["wind_speed"][i] > 0.0:
+            origin = (self.weather["wind_direction_to"][i] + math.pi) % (2.0 * math.pi)
+            columns["wind_speed"] = np.full(len(columns["t"]), self.weather["wind_speed"][i])
+            columns["wind_direction_from"] = np.full(len(columns["t"]), origin)
         sailed = slice(0, self.lengths[i])
         columns["reward"] = np.append(self.histories["rewards"][sailed, i], 0.0)
         for k, name in enumerate(TASKS[self.scenario.task].reward_terms):
@@ -145,7 +149,7 @@ class Rollout:
 
     def _meta(self, i: int) -> dict[str, Any]:
         terminated = bool(self.terminated[i])
-        track = {"track": self.plans[i].tolist()} if self.scenario.on_track else {}
+        track = {"waypoints": self.plans[i].tolist()} if self.scenario.on_track else {}
         return {
             "task": self.scenario.task,
             "controller": self.controller,
