@@ -23,6 +23,7 @@ from ship_gym.conventions import (
     N,
     U,
 )
+from ship_gym.physics._kernel import threads_work
 from ship_gym.physics.disturbance import set_phases
 from ship_gym.physics.dynamics import forces as ship_forces
 from ship_gym.physics.dynamics import over_ground
@@ -96,7 +97,6 @@ class ShipSim:
         self._waves_to = np.array([s.wave_direction_to for s in given])
         self.waves = np.zeros((self.n, N_WAVE_STATE))
         self.parallel = self.n >= PARALLEL_FROM if parallel is None else bool(parallel)
-        self._step = step_batch_parallel if self.parallel else step_batch
         self.state = np.zeros((self.n, N_STATES))
         self.time = np.zeros(self.n)
         self.commands = np.zeros((self.n, N_COMMANDS))
@@ -244,7 +244,8 @@ class ShipSim:
         SimulationDiverged
             A state became non-finite.
         """
-        alive = self._step(
+        threads = self.parallel and threads_work()
+        alive = (step_batch_parallel if threads else step_batch)(
             self.state,
             self.commands,
             self.time,

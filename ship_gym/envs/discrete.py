@@ -16,7 +16,7 @@ ANGLES = tuple(
 )
 
 
-class DiscreteRudder(gym.ActionWrapper):
+class DiscreteRudder(gym.ActionWrapper, gym.utils.RecordConstructorArgs):
     """Action ``k`` is the k-th rudder angle; the propeller keeps the self-propulsion speed.
 
     Parameters
@@ -34,7 +34,8 @@ class DiscreteRudder(gym.ActionWrapper):
     """
 
     def __init__(self, env: gym.Env, angles: Sequence[float] = ANGLES):
-        super().__init__(env)
+        gym.utils.RecordConstructorArgs.__init__(self, angles=tuple(angles))  # for `env.spec`
+        gym.ActionWrapper.__init__(self, env)
         if env.action_space.shape != (1,):
             raise ConfigError(
                 f"DiscreteRudder needs control = 'rudder'; the action here has shape "

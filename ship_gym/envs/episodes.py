@@ -108,7 +108,8 @@ class EpisodeBatch:
         self.tasks = np.zeros(n, bridge.TASK_DTYPE)
         self._fill_tasks()
         self._make_arrays()
-        self._fails_at = round(scenario.failure.time / scenario.control_interval)
+        # the first interval that begins at that time or later, whatever the division rounds to
+        self._fails_at = math.ceil(scenario.failure.time / scenario.control_interval - 1e-9)
 
     @property
     def ship(self) -> Ship:

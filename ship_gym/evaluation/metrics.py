@@ -164,7 +164,9 @@ def _track_metrics(trajectory: Trajectory) -> dict[str, float]:
     sailed = (trajectory["t"][-1] - trajectory["t"][0]) * math.sqrt(meta["ship"]["scale"])
     return {
         "rms_cross_track": math.sqrt(np.mean(judged * judged)),
-        "max_cross_track": float(max(np.abs(ends).max(), abs(trajectory["cross_track_error"][0])) / L),
+        "max_cross_track": float(
+            max(np.abs(ends).max(), abs(trajectory["cross_track_error"][0])) / L
+        ),
         "voyage_time": float(sailed if arrived else meta["config"]["duration"]),
     }
 

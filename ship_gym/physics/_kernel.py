@@ -87,3 +87,21 @@ def batch(function):
 
 
 prange = numba.prange
+
+_threads_lost = False
+
+
+def _after_fork() -> None:
+    """Remember a fork of a process whose threads run: GNU OpenMP would end the child at once."""
+    global _threads_lost
+    with contextlib.suppress(ValueError):  # no threads yet, the child may start its own
+        _threads_lost = numba.threading_layer() == "omp"
+
+
+if hasattr(os, "register_at_fork"):  # not on Windows, which cannot fork
+    os.register_at_fork(after_in_child=_after_fork)
+
+
+def threads_work() -> bool:
+    """Whether this process may run the parallel version of a loop."""
+    return not _threads_lost

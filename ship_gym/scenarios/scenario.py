@@ -142,7 +142,7 @@ def _read(scenario: str | Path | Mapping[str, Any], depth: int = 0) -> tuple[dic
     if isinstance(scenario, Mapping):
         values, where = dict(scenario), "scenario"
     elif str(scenario).endswith(".toml"):
-        values, where = read_toml(scenario), str(scenario)
+        values, where = _beside(Path(scenario), read_toml(scenario)), str(scenario)
     else:
         name = check_known("scenario", str(scenario), available_scenarios())
         values, where = read_toml(_FOLDER / f"{name}.toml"), f"scenario {name}"
@@ -152,6 +152,17 @@ def _read(scenario: str | Path | Mapping[str, Any], depth: int = 0) -> tuple[dic
         raise ConfigError(f"{where}: base = {values['base']!r}: more than five deep, or a circle")
     base, _ = _read(values.pop("base"), depth + 1)
     return merged(base, values), where
+
+
+def _beside(path: Path, values: dict[str, Any]) -> dict[str, Any]:
+    """Values with the files that they name as paths from the folder of the scenario file."""
+    values, track = dict(values), values.get("track")
+    for key in ("base", "ship"):
+        if str(values.get(key, "")).endswith(".toml"):
+            values[key] = str(path.parent / values[key])
+    if isinstance(track, Mapping) and isinstance(track.get("file"), str) and track["file"]:
+        values["track"] = {**track, "file": str(path.parent / track["file"])}
+    return values
 
 
 def _nested(overrides: Mapping[str, Any]) -> dict[str, Any]:
