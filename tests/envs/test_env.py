@@ -33,13 +33,15 @@ def test_check_env_is_silent(env_id, ship, control):
 
 
 @pytest.mark.parametrize("env_id", IDS)
-def test_stable_baselines_check_env_is_silent(env_id):
+@pytest.mark.parametrize("control", CONTROLS)
+@pytest.mark.parametrize("ship", SHIPS)
+def test_stable_baselines_check_env_is_silent(env_id, ship, control):
     pytest.importorskip("stable_baselines3", reason="extra 'rl' not installed")
     from stable_baselines3.common.env_checker import check_env as sb3_check_env
 
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        sb3_check_env(gym.make(env_id).unwrapped)
+        sb3_check_env(gym.make(env_id, ship=ship, control=control).unwrapped)
 
 
 def rollout(env, seed, steps=50):
