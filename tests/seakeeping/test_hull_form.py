@@ -9,11 +9,8 @@ from ship_gym.config import ConfigError
 from ship_gym.seakeeping.bulb import Bulb, ship_bulb
 from ship_gym.seakeeping.hull_checks import check_mesh
 from ship_gym.seakeeping.hull_form import (
-    Curve,
-    CurveEnd,
     area_curve,
     breadth_curve,
-    fitted_curve,
     hull_lines,
     parametric_mesh,
     section_coefficient,
@@ -53,22 +50,6 @@ def test_section_outline_lies_on_the_section_and_holds_its_area(n):
     y, z = points.T
     area = -np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(z))
     assert area == pytest.approx(6.0 * section_coefficient(n), rel=1e-3)
-
-
-def test_moments_of_a_curve_beside_quadrature():
-    curve = Curve(CurveEnd(0.1, 1.4), CurveEnd(0.05, 0.6), 2.3, 1.7, 0.08)
-    x = -0.5 + (np.arange(200000) + 0.5) / 200000
-    area, first = curve.moments()
-    assert area == pytest.approx(curve(x).mean(), rel=1e-8)
-    assert first == pytest.approx((x * curve(x)).mean(), rel=1e-6)
-
-
-def test_fitted_curve_has_its_area_and_centre():
-    ends = CurveEnd(0.57, 1.0), CurveEnd(0.0, 1.5)
-    curve = fitted_curve(0.82, -0.045, *ends, 0.08, ("C_wp", "x_F / L"))
-    area, first = curve.moments()
-    assert area == pytest.approx(0.82, abs=1e-10)
-    assert first / area == pytest.approx(-0.045, abs=1e-10)
 
 
 @pytest.mark.parametrize("name", WITH_FORM)
@@ -183,12 +164,6 @@ def test_a_pointed_stern_needs_no_transom():
 def test_a_form_that_does_not_exist_says_which_number(changes, message):
     with pytest.raises(ConfigError, match=message):
         parametric_mesh(changed(load_ship("kcs"), **changes))
-
-
-def test_a_centre_that_no_curve_has_says_the_range():
-    with pytest.raises(ConfigError, match=r"x_B / L = 0\.2000: allowed is -0\.\d+ to 0\.1"):
-        ends = CurveEnd(0.01, 1.4), CurveEnd(0.0, 1.4)
-        fitted_curve(0.66, 0.2, *ends, 0.08, ("C_b / C_m", "x_B / L"))
 
 
 def test_a_ship_without_form_is_refused():
