@@ -1,32 +1,35 @@
-"""A hull from a ship's particulars: superellipse sections between two curves of form.
+"""A hull from a ship's particulars: superellipse sections between two curves of form, and a bulb.
 
 At x / L the section is |y / b|^n + |z / T|^n = 1 with half breadth b, draught T and an n that gives
 it its area A. Amidships b and A are constant; forward of the parallel body
 
-    b = B/2 (1 - u^p)^q,  A = C_m B d (1 - u^p')^1.4,  u from 0 to 1 at the perpendicular,
+    b = B/2 (1 - u^p)^q,  A = C_m B d (a + (1 - a) (1 - u^p')^q'),  u from 0 to 1 at the
+                                                                      perpendicular,
 
-aft the same above the breadth and the area of the transom. The two p come from the waterplane's
-area and centre, the two p' from volume and centre of buoyancy. There is no bulb and no overhang.
-The form is this project's own; it is meant for wave loads, not for resistance.
+a the area of the bulb, aft the same above the breadth and the area of the transom. The two p come
+from the waterplane's area and centre, the two p' from volume and centre of buoyancy, the q from the
+ship file. The half breadth of the bulb (`bulb`) is added to that of the section, whose area is the
+rest. There is no overhang of the waterline. The form is this project's own; it is meant for wave
+loads, not for resistance.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import beta, gammaln
+from scipy.special import gammaln
 
 from ship_gym.config import ConfigError
+from ship_gym.seakeeping.bulb import Bulb, ship_bulb
+from ship_gym.seakeeping.form_curves import Curve, CurveEnd, fitted_curve
 from ship_gym.seakeeping.hull_mesh import HullMesh, divided, mesh_from_sections
 from ship_gym.ships.particulars import Ship
 
 STATIONS, GIRTH = 44, 8  # panels along and around the half hull
-_Q_BREADTH, _Q_AREA = 1.0, 1.4  # 1.0: a finite angle of entrance
-_P_RANGE = (0.3, 40.0)  # from a spike to a box
+_NOSE = (0.0, 0.35, 0.65, 0.88, 1.0)  # stations of the bulb ahead of the perpendicular, by it
 _TRANSOM_FULLNESS = 2.0 / 3.0  # area coefficient of the transom: gives its draught
+_KNIFE = 1e-3  # of the bulb's breadth; thinner parts of the forefoot are left away
 _C_MAX = 0.9995  # beyond it a section is a rectangle
 _N = np.geomspace(0.12, 400.0, 2000)
 
@@ -46,116 +49,75 @@ def section_exponent(c):
     return np.exp(np.interp(c, section_coefficient(_N), np.log(_N)))
 
 
-@dataclasses.dataclass(frozen=True)
-class Curve:
-    """Breadth or sectional area along the ship, by its value amidships, x by L.
-
-    Attributes
-    ----------
-    p_aft, p_fore, q : float
-        Exponents of the two ends.
-    end : float
-        Value at the transom.
-    parallel : float
-        Half length of the constant part.
-    """
-
-    p_aft: float
-    p_fore: float
-    q: float
-    end: float
-    parallel: float
-
-    def __call__(self, x: np.ndarray) -> np.ndarray:
-        """Value at x / L, shape of x."""
-        u = np.clip((np.abs(x) - self.parallel) / (0.5 - self.parallel), 0.0, 1.0)
-        fore = (1.0 - u**self.p_fore) ** self.q
-        aft = self.end + (1.0 - self.end) * (1.0 - u**self.p_aft) ** self.q
-        return np.where(x > 0.0, fore, aft)
-
-    def moments(self) -> tuple[float, float]:
-        """Area under the curve and its first moment about midship."""
-        h, length = self.parallel, 0.5 - self.parallel
-        sums = []
-        for p, end in ((self.p_aft, self.end), (self.p_fore, 0.0)):
-            area = beta(1.0 / p, self.q + 1.0) / p  # integral of (1 - u^p)^q
-            first = beta(2.0 / p, self.q + 1.0) / p  # of u (1 - u^p)^q
-            area, first = end + (1.0 - end) * area, 0.5 * end + (1.0 - end) * first
-            sums.append((h + length * area, 0.5 * h**2 + length * (h * area + length * first)))
-        return sums[0][0] + sums[1][0], sums[1][1] - sums[0][1]
-
-
-def fitted_curve(
-    area: float, centre: float, q: float, end: float, parallel: float, names: tuple[str, str]
-) -> Curve:
-    """Curve with a given area and centre.
-
-    Parameters
-    ----------
-    area, centre : float
-        Area under the curve and its centre, both by L; `names` are theirs, for messages.
-    q, end, parallel : float
-        As in `Curve`.
-
-    Raises
-    ------
-    ConfigError
-        No such curve: says which of the two is out of its range, and the range.
-    """
-    low, high = _P_RANGE
-
-    def curve(p_aft: float, p_fore: float) -> Curve:
-        return Curve(p_aft, p_fore, q, end, parallel)
-
-    smallest, largest = curve(low, low).moments()[0], curve(high, high).moments()[0]
-    _check_range(names[0], area, smallest, largest)
-
-    def aft_for(p_fore: float) -> float:
-        return _root(lambda p: curve(p, p_fore).moments()[0] - area)
-
-    def centre_for(p_fore: float) -> float:
-        total, first = curve(aft_for(p_fore), p_fore).moments()
-        return first / total
-
-    # the fullness of the bow for which the stern is still possible
-    least = _root(lambda p: curve(high, p).moments()[0] - area)
-    most = _root(lambda p: curve(low, p).moments()[0] - area)
-    _check_range(names[1], centre, centre_for(least), centre_for(most))
-    p_fore = brentq(lambda p: centre_for(p) - centre, least, most, xtol=1e-12)
-    return curve(aft_for(p_fore), p_fore)
-
-
-def _root(function: Callable[[float], float]) -> float:
-    """Zero of an increasing function of the exponent, or the end of its range next to it."""
-    low, high = _P_RANGE
-    if function(low) >= 0.0:
-        return low
-    if function(high) <= 0.0:
-        return high
-    return brentq(function, low, high, xtol=1e-13)
-
-
-def _check_range(name: str, value: float, low: float, high: float) -> None:
-    if not low < value < high:
-        raise ConfigError(
-            f"no hull of this form: {name} = {value:.4f}: allowed is {low:.4f} to {high:.4f} with "
-            "the other numbers of the section [form]"
-        )
-
-
 def transom_draught(a_transom: float, b_transom: float, C_m: float) -> float:
     """Draught of the transom by d, such that its area coefficient is 2/3; 1 without a transom."""
     return C_m * a_transom / (b_transom * _TRANSOM_FULLNESS) if b_transom > 0.0 else 1.0
 
 
+def area_curve(ship: Ship, bulb: Bulb | None) -> Curve:
+    """Sectional area between the perpendiculars by C_m B d; the bulb ahead of them is deducted.
+
+    Raises
+    ------
+    ConfigError
+        None exists with the ship's volume and centre of buoyancy: says the range.
+    """
+    form, hull = ship.form, ship.hull
+    volume, moment, at_fore = hull.volume, hull.volume * form.x_B, 0.0
+    if bulb is not None:
+        volume -= bulb.volume
+        moment -= bulb.volume * bulb.centre
+        at_fore = form.a_bulb
+    C_p = volume / (form.C_m * hull.L * hull.B * hull.d)
+    ends = CurveEnd(form.a_transom, form.q_area_aft), CurveEnd(at_fore, form.q_area_fore)
+    names = "C_b / C_m", "x_B / L"
+    return fitted_curve(C_p, moment / volume / hull.L, *ends, form.parallel / hull.L, names)
+
+
+def breadth_curve(ship: Ship) -> Curve:
+    """Breadth of the waterline by B.
+
+    Raises
+    ------
+    ConfigError
+        None exists with the ship's C_wp and x_F: says the range.
+    """
+    form, L = ship.form, ship.hull.L
+    ends = CurveEnd(form.b_transom, form.q_wl_aft), CurveEnd(0.0, form.q_wl_fore)
+    names = "C_wp", "x_F / L"
+    return fitted_curve(form.C_wp, form.x_F / L, *ends, form.parallel / L, names)
+
+
 @dataclasses.dataclass(frozen=True)
 class HullLines:
-    """Half breadth, draught and exponent of every section, x forward of midship [m]."""
+    """Sections between the perpendiculars without their bulb, x forward of midship [m].
+
+    Attributes
+    ----------
+    x, half_breadth, draught, exponent : numpy.ndarray
+        From aft forward, all of one shape.
+    bulb : Bulb or None
+    """
 
     x: np.ndarray
     half_breadth: np.ndarray
     draught: np.ndarray
     exponent: np.ndarray
+    bulb: Bulb | None
+
+    def section(self, i: int, count: int) -> np.ndarray:
+        """Points of section i with the bulb, from the keel to the waterline, shape (N, 2)."""
+        x, b, T = (float(a[i]) for a in (self.x, self.half_breadth, self.draught))
+        points = section_outline(b, T, float(self.exponent[i]))
+        if self.bulb is None or self.bulb.size(x) == 0.0:
+            return divided(points, count)
+        y, z = points[::-1].T
+        deep = self.bulb.middle(x) + (T - self.bulb.middle(x)) * np.linspace(-1.0, 1.0, 200)
+        z_all = np.union1d(z, deep[(deep >= 0.0) & (deep <= T)])[::-1]
+        both = np.interp(z_all, z, y) + self.bulb.half_breadths(x, z_all)
+        lowest = int(np.argmax(both > _KNIFE * self.bulb.half_breadth))
+        both[lowest] = 0.0
+        return divided(np.stack([both, z_all], axis=-1)[lowest:], count)
 
 
 def hull_lines(ship: Ship, stations: int = STATIONS) -> HullLines:
@@ -181,40 +143,51 @@ def hull_lines(ship: Ship, stations: int = STATIONS) -> HullLines:
     form, hull = ship.form, ship.hull
     if form is None:
         raise ConfigError(f"{ship.name}: no section [form], which a hull form is drawn from")
-    L, parallel = hull.L, form.parallel / hull.L
-    C_p = hull.volume / (form.C_m * L * hull.B * hull.d)
-    breadth = fitted_curve(
-        form.C_wp, form.x_F / L, _Q_BREADTH, form.b_transom, parallel, ("C_wp", "x_F / L")
-    )
-    area = fitted_curve(
-        C_p, form.x_B / L, _Q_AREA, form.a_transom, parallel, ("C_b / C_m", "x_B / L")
-    )
+    bulb = ship_bulb(ship)
+    breadth, area = breadth_curve(ship), area_curve(ship, bulb)
     share = np.linspace(0.0, 1.0, stations + 1)
-    x = 0.5 * (0.5 * (2.0 * share - 1.0) - 0.5 * np.cos(np.pi * share))
-    rise = np.clip((form.x_keel / L - x) / (form.x_keel / L + 0.5), 0.0, 1.0)
-    end = transom_draught(form.a_transom, form.b_transom, form.C_m)
-    draught = 1.0 - (1.0 - end) * rise
-    b = breadth(x)
+    x = hull.L * 0.5 * (0.5 * (2.0 * share - 1.0) - 0.5 * np.cos(np.pi * share))
+    draught, b = hull.d * _keel(ship, x, bulb), breadth(x / hull.L)
+    rest = form.C_m * area(x / hull.L)  # by B d
+    if bulb is not None:
+        rest -= bulb.area / (hull.B * hull.d) * bulb.size(x)
     with np.errstate(invalid="ignore", divide="ignore"):
-        c = np.where(b > 1e-9, form.C_m * area(x) / (b * draught), 0.0)
+        c = np.where(b > 1e-9, rest * hull.d / (b * draught), 0.0)
+    _check_areas(ship, x, c)
+    return HullLines(x, 0.5 * hull.B * b, draught, section_exponent(np.maximum(c, 1e-5)), bulb)
+
+
+def _keel(ship: Ship, x: np.ndarray, bulb: Bulb | None) -> np.ndarray:
+    """Draught by d: it falls to that of the transom aft, and to the bottom of the bulb forward."""
+    form, hull = ship.form, ship.hull
+    end = transom_draught(form.a_transom, form.b_transom, form.C_m)
+    rise = np.clip((form.x_keel - x) / (form.x_keel + 0.5 * hull.L), 0.0, 1.0)
+    draught = 1.0 - (1.0 - end) * rise
+    if bulb is not None:
+        forefoot = np.clip(1.0 + (x - bulb.x) / bulb.length, 0.0, 1.0)
+        draught -= (1.0 - bulb.bottom(bulb.x) / hull.d) * forefoot**2
+    return draught
+
+
+def _check_areas(ship: Ship, x: np.ndarray, c: np.ndarray) -> None:
+    """Refuse sections that are fuller than a rectangle."""
     worst = int(np.argmax(c))
     if c[worst] > _C_MAX:
         raise ConfigError(
-            f"{ship.name}: no hull of this form: at x / L = {x[worst]:.3f} the sectional area is "
-            f"{c[worst]:.3f} of breadth times draught: allowed is {_C_MAX}; raise C_wp or "
-            "b_transom, move x_F towards there, or let the keel rise nearer to the stern (x_keel)"
+            f"{ship.name}: no hull of this form: at x / L = {x[worst] / ship.hull.L:.3f} the "
+            f"sectional area is {c[worst]:.3f} of breadth times draught: allowed is {_C_MAX}; "
+            "raise C_wp or b_transom, move x_F towards there, or let the keel rise nearer to the "
+            "stern (x_keel)"
         )
-    exponent = section_exponent(np.maximum(c, 1e-5))
-    return HullLines(x * L, 0.5 * hull.B * b, hull.d * draught, exponent)
 
 
-def section_points(b: float, T: float, n: float, count: int) -> np.ndarray:
-    """Points of a superellipse from the keel to the waterline, shape (count + 1, 2): y, z [m]."""
+def section_outline(b: float, T: float, n: float) -> np.ndarray:
+    """Points of a superellipse from the keel to the waterline, closely, shape (400, 2): y, z."""
     angle = 0.5 * np.pi * (0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 400)))
     c, s = np.cos(angle), np.sin(angle)
     c[-1] = s[0] = 0.0
     r = (c**n + s**n) ** (-1.0 / n)
-    return divided(np.stack([b * r * s, T * r * c], axis=-1), count)  # angle 0 is the keel
+    return np.stack([b * r * s, T * r * c], axis=-1)  # angle 0 is the keel
 
 
 def parametric_mesh(ship: Ship, stations: int = STATIONS, girth: int = GIRTH) -> HullMesh:
@@ -225,7 +198,8 @@ def parametric_mesh(ship: Ship, stations: int = STATIONS, girth: int = GIRTH) ->
     ship : Ship
         With a section ``form``.
     stations, girth : int
-        Panels along the length and from keel to waterline, of one half.
+        Panels along the length and from keel to waterline, of one half; the last four along the
+        length are ahead of the perpendicular if there is a bulb.
 
     Returns
     -------
@@ -237,12 +211,24 @@ def parametric_mesh(ship: Ship, stations: int = STATIONS, girth: int = GIRTH) ->
     ConfigError
         As `hull_lines`.
     """
-    lines = hull_lines(ship, stations)
-    sections = np.zeros((stations + 1, girth + 1, 3))
-    for i, (x, b, T, n) in enumerate(
-        zip(lines.x, lines.half_breadth, lines.draught, lines.exponent, strict=True)
-    ):
-        sections[i, :, 0] = x
-        sections[i, :, 1:] = section_points(b, T, n, girth)
-    text = f"parametric hull of {ship.name}: {stations} x {girth} panels per side"
+    lines = hull_lines(ship, stations - (len(_NOSE) - 1 if ship_bulb(ship) else 0))
+    x, points = lines.x, [lines.section(i, girth) for i in range(len(lines.x))]
+    if lines.bulb is not None:
+        nose = lines.bulb.x + lines.bulb.length * np.array(_NOSE)
+        points[-1:] = [_nose_section(lines.bulb, at, girth) for at in nose]
+        x = np.concatenate([x[:-1], nose])
+    sections = np.zeros((len(x), girth + 1, 3))
+    sections[..., 0], sections[..., 1:] = x[:, None], np.array(points)
+    text = f"parametric hull of {ship.name}: {len(x) - 1} x {girth} panels per side"
     return mesh_from_sections(sections, (text,))
+
+
+def _nose_section(bulb: Bulb, x: float, girth: int) -> np.ndarray:
+    """Points of a section at or ahead of the perpendicular, shape (girth + 1, 2): y, z [m].
+
+    The last piece is the stem between bulb and waterline, and nothing ahead of it: so no other
+    panel of the bulb lies in the centre plane.
+    """
+    points = divided(bulb.outline(x), girth - 1)
+    end = np.zeros(2) if x <= bulb.x else points[-1]
+    return np.concatenate([points, end[None]])

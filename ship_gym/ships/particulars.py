@@ -184,6 +184,15 @@ class HullForm:
     k_xx: float = quantity("m", "radius of gyration in roll about the centre of gravity")
     k_yy: float = quantity("m", "radius of gyration in pitch about the centre of gravity")
     trim: float = quantity("m", "draught at the stern minus draught at the bow", 0.0)
+    q_wl_aft: float = quantity("-", "exponent of the waterline's aft end: 1 angle, 0.5 round", 1.0)
+    q_wl_fore: float = quantity("-", "exponent of the waterline's fore end, above 1 hollow", 1.0)
+    q_area_aft: float = quantity("-", "exponent of the sectional area's aft end", 1.4)
+    q_area_fore: float = quantity("-", "exponent of the sectional area's fore end", 1.4)
+    l_bulb: float = quantity("m", "bulb: length ahead of the forward perpendicular; 0: none", 0.0)
+    a_bulb: float = quantity("-", "bulb: sectional area at the perpendicular, by C_m B d", 0.0)
+    b_bulb: float = quantity("-", "bulb: breadth there, by B", 0.0)
+    z_bulb: float = quantity("-", "bulb: height of its middle there above the keel, by d", 0.0)
+    z_nose: float = quantity("-", "bulb: height of its foremost point above the keel, by d", 0.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -352,6 +361,7 @@ def _check_form(ship: Ship) -> None:
     lengths |= {"L_E": (0.05 * L, L), "L_R": (0.05 * L, L), "parallel": (0.0, 0.45 * L)}
     lengths |= {"x_B": (-0.15 * L, 0.15 * L), "x_F": (-0.15 * L, 0.15 * L)}
     lengths |= {"x_keel": (-0.5 * L, 0.0), "trim": (-ship.hull.d, ship.hull.d)}
+    lengths |= {"l_bulb": (0.0, 0.1 * L)}
     for name, (low, high) in lengths.items():
         check_number(f"{ship.name}: form.{name}", getattr(ship.form, name), low, high, "m")
     shares = {
@@ -359,6 +369,13 @@ def _check_form(ship: Ship) -> None:
         "C_wp": (0.4, 1.0),
         "b_transom": (0.0, 1.0),
         "a_transom": (0.0, 1.0),
+        "a_bulb": (0.0, 0.3),
+        "b_bulb": (0.0, 1.0),
+        "z_bulb": (0.0, 1.0),
+        "z_nose": (0.0, 1.0),
+    }
+    shares |= {
+        f"q_{curve}_{end}": (0.3, 4.0) for curve in ("wl", "area") for end in ("aft", "fore")
     }
     for name, (low, high) in shares.items():
         check_number(f"{ship.name}: form.{name}", getattr(ship.form, name), low, high)
@@ -366,4 +383,9 @@ def _check_form(ship: Ship) -> None:
         raise ConfigError(
             f"{ship.name}: form.b_transom = {ship.form.b_transom}, form.a_transom = "
             f"{ship.form.a_transom}: a transom needs both, a pointed stern neither"
+        )
+    if len({x > 0.0 for x in (ship.form.l_bulb, ship.form.a_bulb, ship.form.b_bulb)}) > 1:
+        raise ConfigError(
+            f"{ship.name}: form.l_bulb = {ship.form.l_bulb}, form.a_bulb = {ship.form.a_bulb}, "
+            f"form.b_bulb = {ship.form.b_bulb}: a bulb needs all three, a ship without one none"
         )

@@ -85,14 +85,14 @@ def test_table_beside_the_ship_file():
     assert values["x_B"][1] == pytest.approx(-0.0148 * 230.0)
     assert values["KM"][1] == pytest.approx((0.19 + 0.00797) * 230.0 / 3.057)
     text = comparison_table(mesh, ship)
-    for word in ("720 panels", "volume", "wetted surface", "roll", "heave", "% L"):
+    for word in (f"{mesh.count} panels", "volume", "wetted surface", "roll", "heave", "% L"):
         assert word in text
 
 
 def test_capytaine_computes_the_same():
     cpt = pytest.importorskip("capytaine")
     ship = load_ship("kcs_model")
-    mesh = parametric_mesh(ship)
+    mesh = parametric_mesh(ship, 88, 16)  # the two differ in how they take a twisted panel
     found = hydrostatics(mesh)
     vertices, panels = capytaine_axes(mesh.both_sides())
     body = cpt.FloatingBody(

@@ -97,7 +97,7 @@ def test_damping_beyond_potential_flow():
     rest, ahead = (added_damping(body, C, np.zeros(6), U, 0.05) for U in (0.0, 0.26))
     assert np.count_nonzero(rest) == 1 and rest[3, 3] > 0.0
     assert (np.diag(ahead)[1:] > 0.0).all()
-    assert ahead[2, 2] == pytest.approx(2.0 * 0.026 * np.sqrt(C[2, 2] * body.mass))
+    assert ahead[2, 2] == pytest.approx(2.0 * 0.08 * 0.26 * np.sqrt(C[2, 2] * body.mass))
 
 
 def test_low_encounter_frequencies_are_faded(waves):

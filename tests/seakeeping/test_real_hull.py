@@ -1,12 +1,9 @@
 """The published hull of the Duisburg Test Case beside the parametric one, in waves.
 
-The issue asks for head-sea surge and sway within 10 % of the peak and heave within 5 %. Sway is;
-surge and heave are not: the gaps are held down below, so that a better hull shows up here. They are
-of the form, not of the mesh: with twice as many panels on both hulls they are the same to 0.3 %.
-Beside the real hull the parametric one has no bulb (sectional area 0.03 B d for 0.10 at 0.48 L
-forward), a fuller waterline at the very ends and a finer one at the forward shoulder (half breadth
-0.87 B / 2 for 0.92 at 0.25 L). SNNM lies near the parametric hull, on which the far field was
-calibrated, and below the real one.
+The issue asks for head-sea surge and sway within 10 % of the peak and heave within 5 %. All hold.
+The form of DTC, its bulb and the exponents of its curves among them, is measured on this file,
+geometry to geometry; nothing of it was fitted to a force. Without the bulb and with straight bows
+the drawn hull missed the surge by 24 % of the peak and the heave by 0.06 of the amplitude.
 """
 
 from __future__ import annotations
@@ -32,10 +29,6 @@ FROUDE = 0.14
 RATIO = np.array([0.3, 0.4, 0.5, 0.65, 0.8, 0.9, 1.0, 1.2, 1.6])
 HEADINGS_DEG = (90.0, 120.0, 150.0)
 ENCOUNTER = np.linspace(1.6, 6.2, 20)  # omega_e sqrt(L/g), from 180 deg to the shortest waves
-
-# differences measured; a test fails if they grow or close
-SURGE_GAP = 0.24  # of the peak of |CX|
-HEAVE_GAP = 0.06  # of the wave amplitude
 
 pytestmark = [
     pytest.mark.slow,
@@ -95,30 +88,25 @@ def test_sway_at_rest_is_that_of_the_real_hull(both):
         assert gap <= 0.10
 
 
-def test_surge_falls_short_of_the_real_hull_by_a_known_gap(both):
+def test_surge_in_head_seas_is_that_of_the_real_hull(both):
     (real, _, _), (drawn, _, _) = both
     printed("CX 180 deg", real, drawn)
     ship = load_ship("dtc")
     snnm = -added_resistance(snnm_hull(ship), FROUDE, RATIO * ship.hull.L, np.pi)
     print("  SNNM    " + "".join(f"{x:8.3f}" for x in snnm))
     gap = np.abs(drawn - real) / np.abs(real).max()
-    print(f"  largest difference {100.0 * gap.max():.1f} % of the peak; the issue asks for 10 %")
-    # met in waves of up to 0.65 L and of 1.6 L
-    assert (gap[(RATIO <= 0.65) | (RATIO >= 1.6)] <= 0.10).all()
-    # the parametric hull is too low by a quarter at the peak, which is in the right place
-    assert gap.max() == pytest.approx(SURGE_GAP, abs=0.02)
-    assert (np.abs(drawn) < np.abs(real)).all()
+    print(f"  largest difference {100.0 * gap.max():.1f} % of the peak")
+    assert gap.max() <= 0.10
     assert np.abs(real).argmax() == np.abs(drawn).argmax()
 
 
-def test_heave_falls_short_of_the_real_hull_by_a_known_gap(both):
+def test_heave_in_head_seas_is_that_of_the_real_hull(both):
     (_, real, _), (_, drawn, _) = both
     printed("heave / A", real, drawn)
     gap = np.abs(drawn - real)
-    worst = gap.argmax()
     print(
-        f"  largest difference {gap[worst]:.3f} A, {100.0 * gap[worst] / real[worst]:.0f} % of the "
-        f"real hull's at {RATIO[worst]:g} L; the issue asks for 5 %"
+        f"  largest difference {gap.max():.3f} A, {100.0 * (gap / real).max():.0f} % of the value"
     )
-    assert (gap[RATIO <= 0.9] <= 0.05).all()  # of the wave's amplitude
-    assert gap.max() == pytest.approx(HEAVE_GAP, abs=0.01)
+    assert gap.max() <= 0.05  # of the wave's amplitude
+    # of the value, where it is more than a fifth of the amplitude
+    assert (gap / real)[RATIO >= 0.65].max() <= 0.05
