@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
 
@@ -35,9 +36,56 @@ def wave_table_of(ship: Ship) -> WaveTable:
     return _table(ship.wave_table)
 
 
-def load_wave_table(ship: str) -> WaveTable:
+@dataclasses.dataclass(frozen=True)
+class ShipWaves:
+    """The wave table of a ship, asked in the ship's own units.
+
+    Attributes
+    ----------
+    table : WaveTable
+        Non-dimensional, for every scale.
+    L : float
+        Length of the ship [m].
+    """
+
+    table: WaveTable
+    L: float
+
+    def drift(self, omega, heading, speed, model: str = "blend") -> np.ndarray:
+        """Drift coefficients CX, CY, CN (``sea.wave_table``), clamped to the table.
+
+        Parameters
+        ----------
+        omega : array_like
+            True frequency of the waves [rad/s]; broadcast with the next two.
+        heading : array_like
+            Mu = psi - wave_direction_to [rad], pi in a head sea.
+        speed : array_like
+            Surge velocity through the water [m/s].
+        model : str
+            Surge by ``bem``, ``snnm`` or their ``blend``.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (*broadcast shape, 3).
+        """
+        return self.table.drift(*self._scaled(omega, heading, speed), model)
+
+    def raos(self, omega, heading, speed) -> np.ndarray:
+        """Complex motions by A or k A, order of ``sea.wave_table.MODES``; arguments as `drift`."""
+        return self.table.rao(*self._scaled(omega, heading, speed))
+
+    def _scaled(self, omega, heading, speed):
+        """Froude number, heading and omega sqrt(L/g)."""
+        froude = np.asarray(speed, dtype=float) / math.sqrt(G * self.L)
+        return froude, heading, np.asarray(omega, dtype=float) * math.sqrt(self.L / G)
+
+
+def load_wave_table(ship: str) -> ShipWaves:
     """Wave table of a ship by name or ship file, e.g. ``load_wave_table("kcs").drift(...)``."""
-    return wave_table_of(load_ship(ship))
+    found = load_ship(ship)
+    return ShipWaves(wave_table_of(found), found.hull.L)
 
 
 def energy_outside(ship: Ship, waves: WaveComponents) -> float:

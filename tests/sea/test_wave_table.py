@@ -92,14 +92,18 @@ def test_response_is_the_table_at_its_own_points():
 
 
 def test_lookup_is_what_the_kernels_interpolate_and_mirrors():
-    table = load_wave_table("kcs")
-    ship = load_ship("kcs")
+    waves, ship = load_wave_table("kcs"), load_ship("kcs")
+    table = waves.table
     L, force = ship.hull.L, ship.rho * 9.80665
     omega = np.array([0.45, 0.6, 0.83])
     response = wave_response(ship, omega, "blend")
     found = table.drift(0.15, np.radians(60.0), omega * math.sqrt(L / 9.80665))
     np.testing.assert_allclose(response[3, 4, :, 0], force * ship.hull.B**2 / L * found[:, 0])
     np.testing.assert_allclose(response[3, 4, :, 1], 0.5 * force * L * found[:, 1], rtol=1e-6)
+    speed = 0.15 * math.sqrt(9.80665 * L)
+    np.testing.assert_allclose(waves.drift(omega, np.radians(60.0), speed), found, rtol=1e-12)
+    again = waves.raos(2.4 / math.sqrt(L / 9.80665), np.radians(60.0), speed)
+    np.testing.assert_allclose(again, table.rao(0.15, np.radians(60.0), 2.4), rtol=1e-6)
     rao = table.rao(0.15, np.radians([60.0, -60.0]), 2.4)
     np.testing.assert_allclose(rao[0] * [1, -1, 1, -1, 1, -1], rao[1])
     assert table.drift([[0.0, 0.1]], 1.0, 2.0).shape == (1, 2, 3)
