@@ -89,6 +89,14 @@ def check_number(
     return float(value)
 
 
+def check_fields(section: str, item: object, ranges: dict[str, tuple[float, float, str]]) -> None:
+    """Refuse a field of a dataclass outside its range (low, high, unit); None is passed over."""
+    for name, (low, high, unit) in ranges.items():
+        value = getattr(item, name)
+        if value is not None:
+            check_number(f"{section}.{name}", value, low, high, unit)
+
+
 def read_toml(path: str | Path) -> dict[str, Any]:
     """Read a TOML file; a missing or malformed file is a ConfigError with its path."""
     path = Path(path)

@@ -91,7 +91,7 @@ class TrackFollowing(ShipEnv):
       `ship_gym.available_surrogates(ship)`; the ship's default if None.
     - `privileged`: append 26 entries about sea and forces, `ship_gym.tasks.privileged`.
     - `scenario`: a name of `ship_gym.available_scenarios()`, a TOML file or a mapping.
-    - `overrides`: keys of the scenario (`ship_gym/scenarios/sections.py`), nested or dotted;
+    - `overrides`: keys of the scenario (`docs/environments/scenarios.md`), nested or dotted;
       unknown keys are refused. `{"sensors.noise": False}` for exact measurements,
       `{"randomisation.hull_std": 0.1}` for another ship in each episode, `{"failure.time": 100.0,
       "failure.rudder_rate": 0.5}` for a drill.

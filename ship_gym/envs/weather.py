@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from ship_gym.scenarios.sections import SeaRange
+from ship_gym.scenarios.sea_range import SeaRange
 from ship_gym.sea.records import Waters, waters
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.bridge import polar

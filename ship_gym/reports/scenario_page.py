@@ -13,7 +13,7 @@ from pathlib import Path
 from ship_gym.config import merged, read_toml
 from ship_gym.envs.env import ShipEnv
 from ship_gym.reports.docstrings import Field, fields, intro, table
-from ship_gym.scenarios import Scenario, available_scenarios, load_scenario, scenario, sections
+from ship_gym.scenarios import Scenario, available_scenarios, load_scenario, scenario, sea_range
 from ship_gym.scenarios.scenario import TASKS
 from ship_gym.sea.spectra import WaveSystem
 from ship_gym.sea.state import Sea
@@ -42,7 +42,7 @@ Unknown keys and values that are not allowed are refused; the message names the 
 says what is allowed."""
 
 # where a key is explained whose own class refers to another one ("As in ...") or says nothing
-_ELSEWHERE = {Scenario: (ShipEnv,), sections.SeaRange: (WaveSystem, Sea)}
+_ELSEWHERE = {Scenario: (ShipEnv,), sea_range.SeaRange: (WaveSystem, Sea)}
 _SUFFIXES = {"_deg": "deg", "_deg_s": "deg/s"}  # of names outside SI
 _UNIT = re.compile(r" ?\[([^\]]+)\]")
 

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError, build, check_known, check_number, merged, read_toml
+from ship_gym.scenarios.sea_range import SeaRange
 from ship_gym.scenarios.sections import (
     Course,
     Failure,
     Limits,
     Randomisation,
     Reward,
-    SeaRange,
     Sensors,
     Start,
     TrackRange,
