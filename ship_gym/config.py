@@ -66,6 +66,8 @@ def check_known(kind: str, name: str, known: Iterable[str]) -> str:
 
 def check_angle(field: str, value: float, limit: float = 2.0 * math.pi) -> float:
     """Return an angle [rad] if it is finite and within `limit` [rad], else raise ConfigError."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+        raise ConfigError(f"{field} = {value!r}: must be an angle in rad")
     value = float(value)
     if not math.isfinite(value):
         raise ConfigError(f"{field} = {value}: must be a finite angle in rad")
@@ -153,7 +155,7 @@ def _convert(kind: Any, value: Any, where: str) -> Any:
             raise ConfigError(f"{where} = {value!r}: must be a table of keys")
         return build(kind, value, where)
     if typing.get_origin(kind) is tuple:
-        if not isinstance(value, list | tuple):
+        if not isinstance(value, list | tuple | np.ndarray):
             raise ConfigError(f"{where} = {value!r}: must be a list")
         return tuple(_convert(typing.get_args(kind)[0], item, where) for item in value)
     if typing.get_origin(kind) is dict:

@@ -52,6 +52,7 @@ class DiscreteRudder(gym.ActionWrapper, gym.utils.RecordConstructorArgs):
 
     def action(self, action: Any) -> np.ndarray:
         """Rudder command in [-1, 1], shape (1,), of a choice."""
-        if not self.action_space.contains(np.asarray(action).item()):
+        choice = np.asarray(action)
+        if choice.ndim > 0 or not self.action_space.contains(choice.item()):
             raise ConfigError(f"action {action!r}: allowed is 0 to {self.action_space.n - 1}")
-        return self._actions[int(action)]
+        return self._actions[int(choice)]

@@ -29,6 +29,8 @@ def resolved_scenario(
     overrides: Mapping[str, Any] | None,
 ) -> tuple[Scenario, Ship | None]:
     """Scenario with the arguments of an environment applied, and the ship if it is an object."""
+    if overrides is not None and not isinstance(overrides, Mapping):
+        raise ConfigError(f"overrides = {overrides!r}: must be a mapping of keys to values")
     changes = dict(overrides or {})
     given = {"ship": ship, "surrogate": surrogate, "control": control, "privileged": privileged}
     if isinstance(ship, Ship):
@@ -55,6 +57,8 @@ def resolved_fleet(
     """As `resolved_scenario`, for one ship or several; the scenario names the first of several."""
     if ships is None or isinstance(ships, str | Ship):
         return resolved_scenario(scenario, ships, control, surrogate, privileged, overrides)
+    if not isinstance(ships, Sequence):
+        raise ConfigError(f"ship = {ships!r}: must be a name, a Ship or a list of them")
     if len(ships) == 0:
         raise ConfigError("ship = []: a fleet needs at least one ship")
     found, fleet = None, []
@@ -152,7 +156,7 @@ class ShipEnv(gym.Env):
     def step(self, action):
         """Sail one control interval under one action."""
         episodes = self.episodes
-        episodes.step(np.asarray(action)[None])
+        episodes.step([action])
         if self._screen is not None:
             self._screen.follow()
         return (

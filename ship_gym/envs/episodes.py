@@ -29,7 +29,7 @@ from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim, self_propulsion
-from ship_gym.tasks import TASKS, bridge, observations_of, privileged
+from ship_gym.tasks import TASKS, bridge, observations_of, privileged, track
 
 N_ACTIONS = {"rudder": 1, "rudder+rpm": 2}
 _KEY_BITS = 2.0**32
@@ -60,7 +60,8 @@ class EpisodeBatch:
     terms : numpy.ndarray
         Reward terms, shape (n, 5), order of ``task.reward_terms``.
     errors : numpy.ndarray
-        Heading error [rad] or cross-track error [m] at the end of the interval, shape (n,).
+        Heading error [rad], or cross-track error from the active leg [m], at the end of the
+        interval, shape (n,).
     power, energy, cost, success : numpy.ndarray
         As in `info`, shape (n,).
     plans : numpy.ndarray
@@ -129,7 +130,7 @@ class EpisodeBatch:
 
     def _make_arrays(self) -> None:
         n, scenario = self.n, self.scenario
-        self._rudder_before = np.zeros(n)
+        self._rudder_before, self._n_before = np.zeros(n), np.zeros(n)
         self._begun = False
         columns = len(observations_of(scenario.task, scenario.privileged))
         self.observations = np.zeros((n, columns), dtype=np.float32)
@@ -207,6 +208,8 @@ class EpisodeBatch:
         sim.commands[which, 0], sim.commands[which, 1] = 0.0, state[:, N]
         for values in (self.terms, *self._verdict[:-1], *self._ledger):
             values[which] = 0
+        if self.scenario.on_track:
+            track.off_leg_batch(which, sim.state, tasks, self.errors)
         self._begun = True
         sim.set_sea(which, phases, waves_to)
         self._fail()
@@ -246,7 +249,7 @@ class EpisodeBatch:
         sim, before = self.sim, self._rudder_before
         actions = self._shaped(actions)
         good = bridge.command_batch(
-            actions, sim.state, sim.records, self.tasks, sim.commands, before
+            actions, sim.state, sim.records, self.tasks, sim.commands, before, self._n_before
         )
         if good < self.n:
             row = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
@@ -256,8 +259,8 @@ class EpisodeBatch:
             sim.state, before, sim.seas, self.tasks, self.plans, self.terms, self._verdict
         )
         bridge.account_batch(
-            sim.state, sim.flow, sim.records, self.dt, self._verdict, self.scenario.on_track,
-            self._ledger,
+            sim.state, self._n_before, sim.flow, sim.records, self.dt, self._verdict,
+            self.scenario.on_track, self._ledger,
         )  # fmt: skip
         self._fail()
         self.observe()
@@ -276,7 +279,12 @@ class EpisodeBatch:
 
     def _shaped(self, actions: Any) -> np.ndarray:
         """Actions as float64 of the right shape, else ConfigError."""
-        actions = np.asarray(actions)
+        try:
+            actions = np.asarray(actions)
+        except ValueError:
+            raise ConfigError(
+                f"action = {actions!r}: must be {self.n_actions} numbers in [-1, 1] for each ship"
+            ) from None
         if actions.shape != (self.n, self.n_actions):
             raise ConfigError(
                 f"action has shape {actions.shape}, allowed is {(self.n, self.n_actions)} "
@@ -294,16 +302,16 @@ class EpisodeBatch:
         dict
             ``reward_terms`` by name; ``forces`` by component, each (n, 3) X, Y [N], N [N m], and
             ``flow`` by name, both at the start of the interval; ``psi_ordered`` [rad], of a track
-            the bearing of the active leg; ``time`` [s]; ``power`` delivered at the propeller [W]
-            and ``energy`` since the reset [J]; ``extrapolation`` (distance outside the
-            surrogate's trained box, 0 inside); the safety ``cost`` (1 where the rudder is
-            saturated or a limit ended the episode); ``outcome``, index of
+            the bearing of the active leg; ``time`` [s]; ``power`` delivered at the propeller at
+            the start of the interval [W] and ``energy`` since the reset [J]; ``extrapolation``
+            (distance outside the surrogate's trained box, 0 inside); the safety ``cost`` (1 where
+            the rudder is saturated or a limit ended the episode); ``outcome``, index of
             ``tasks.bridge.OUTCOMES``; ``is_success``, whether the episode has ended without
-            failing: a heading held to the end, the last way-point reached. On a track also
-            ``cross_track`` [m] and ``leg``, the active one; with randomisation ``randomisation``,
-            what was drawn by name; with a failure ``failed``, whether it has begun; in waves
-            ``waves_extrapolation``, how far the ship is faster than its wave table goes, or the
-            share of the waves' energy outside it, 0 inside.
+            failing: a heading held to the end, the last way-point reached. On a track also ``leg``,
+            the active one, and ``cross_track``, the error from it [m], also after a reset; with
+            randomisation ``randomisation``, what was drawn by name; with a failure ``failed``,
+            whether it has begun; in waves ``waves_extrapolation``, how far the ship is faster than
+            its wave table goes, or the share of the waves' energy outside it, 0 inside.
         """
         info: dict[str, Any] = {}
         groups, columns = self._views

@@ -30,7 +30,7 @@ INTERACTION = {
     "gamma_R": ("rudder", ("gamma_R_p", "gamma_R_n")),
 }
 _LOADING = (("hull", ("d", "volume")), ("inertia", ("m_u", "m_v", "m_xG", "I_r")))
-_CUT = 3.0  # where the normal distribution is cut, in standard deviations
+_CUT = 3.0  # to which normal draws are limited, in standard deviations
 
 
 class ShipDraws:

@@ -52,7 +52,7 @@ class ShipVectorEnv(VectorEnv):
         ship: Given | Sequence[str | Ship] = None,
         control: str | None = None,
         surrogate: str | None = None,
-        scenario: str | Mapping[str, Any] | Scenario = "heading_keeping",
+        scenario: str | Mapping[str, Any] | Scenario | None = None,
         privileged: bool | None = None,
         overrides: Mapping[str, Any] | None = None,
         render_mode: str | None = None,
@@ -63,10 +63,13 @@ class ShipVectorEnv(VectorEnv):
         if render_mode is not None:
             check_known("render_mode of a vector environment", render_mode, ("rgb_array",))
         self.num_envs = int(check_number("num_envs", num_envs, 1, 10**7))
+        if self.num_envs != num_envs:
+            raise ConfigError(f"num_envs = {num_envs}: must be a whole number")
         self.render_mode = render_mode
         self.autoreset_mode = _mode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
         options = (control, surrogate, privileged, overrides)
+        scenario = "heading_keeping" if scenario is None else scenario
         self.scenario, given = resolved_fleet(scenario, ship, *options)
         self.episodes = EpisodeBatch(self.num_envs, self.scenario, given, parallel)
         self.single_observation_space = observation_space(self.scenario)
@@ -183,6 +186,10 @@ class ShipVectorEnv(VectorEnv):
             return [None] * self.num_envs
         if isinstance(seed, int | np.integer):
             return [int(seed) + i for i in range(self.num_envs)]
+        if not isinstance(seed, Sequence | np.ndarray):
+            raise ConfigError(
+                f"seed = {seed!r}: must be a whole number or one for each environment"
+            )
         seeds = list(seed)
         if len(seeds) != self.num_envs:
             raise ConfigError(f"{len(seeds)} seeds given for {self.num_envs} environments")

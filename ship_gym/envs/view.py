@@ -38,6 +38,8 @@ class Screen:
     def begin(self) -> None:
         """A new episode begins."""
         self._wake = []
+        if self._live is not None:
+            self._live.close()  # two resets without a step between them begin at the same time
         self.follow()
 
     def follow(self) -> None:

@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from ship_gym.scenarios.sea_range import SeaRange
+from ship_gym.sea.gusts import turbulence_intensity
 from ship_gym.sea.records import Waters, waters
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.bridge import polar
@@ -120,9 +121,15 @@ class Weathers:
         tasks["wave_to"][which] = waves_to
 
     def _set_wind(self, records, which, pick, uniform, waves_to, psi) -> None:
-        """Wind within its range; of a model slower by the square root of the scale (Froude)."""
+        """Wind within its range; of a model slower by the square root of the scale (Froude).
+
+        The templates have the gusts of the largest wind; a smaller one gets its own turbulence
+        intensity at the frequencies of the largest.
+        """
         low, high = self._wind_min[pick], self._wind_max[pick]
-        speed = (low + (high - low) * uniform) / self._unit[which]
+        full = low + (high - low) * uniform
+        records["gust_share"] *= (turbulence_intensity(full) / turbulence_intensity(high))[:, None]
+        speed = full / self._unit[which]
         towards = waves_to
         if self.sea.wind_encounter_deg is not None:
             towards = self._direction(self.sea.wind_encounter_deg, psi, uniform)

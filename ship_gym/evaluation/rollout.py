@@ -69,7 +69,7 @@ class Rollout:
         Intervals sailed, shape (n,).
     outcomes : numpy.ndarray
         Why each episode terminated, index of ``tasks.bridge.OUTCOMES``, shape (n,); 0: it was
-        truncated.
+        truncated. One that terminates in its last interval counts as terminated only.
     histories : dict
         ``time`` [s] (T+1, n), ``states`` (T+1, n, 8), ``commands`` (T+1, n, 2), ``forces``
         (T+1, n, 6, 3), ``flow`` (T+1, n, 7), ``waves`` (T+1, n, 9), ``orders`` (ordered heading or

@@ -76,6 +76,7 @@ class Scenario:
                 f"{self.control_interval}"
             )
         self._check_start()
+        self._check_unused()
         other = "heading" if self.on_track else "cross_track"
         if getattr(self.reward, other) > 0.0:
             raise ConfigError(
@@ -88,6 +89,19 @@ class Scenario:
         start, limit = getattr(self.start, name), getattr(self.limits, name)
         if start >= limit and not (unit == "deg" and limit == 180.0):
             raise ConfigError(f"start.{name} = {start}: must be below limits.{name} = {limit}")
+
+    def _check_unused(self) -> None:
+        """Refuse what only another task uses: a key that does nothing is a mistake."""
+        nominal = Limits().cross_track
+        unused = {
+            "course": self.task != "course_changing" and self.course != Course(),
+            "track": not self.on_track and self.track != TrackRange(),
+            "start.cross_track": not self.on_track and self.start.cross_track > 0.0,
+            "limits.cross_track": not self.on_track and self.limits.cross_track != nominal,
+        }
+        for key, given in unused.items():
+            if given:
+                raise ConfigError(f"{key}: task {self.task!r} does not use it; leave it out")
 
     @property
     def on_track(self) -> bool:
@@ -173,5 +187,12 @@ def _nested(overrides: Mapping[str, Any]) -> dict[str, Any]:
         nested: dict[str, Any] = {last: value}
         for part in reversed(path):
             nested = {part: nested}
+        section = path[0] if path else last
+        if section in result and not (
+            isinstance(result[section], Mapping) and isinstance(nested[section], Mapping)
+        ):
+            raise ConfigError(
+                f"overrides: {section!r} is given twice, and not as keys of a section"
+            )
         result = merged(result, nested)
     return result

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import NamedTuple
 
 from ship_gym.config import ConfigError, check_fields, check_known
@@ -66,6 +67,7 @@ class SeaRange:
     spectrum, spreading, wave_count, drift, surge_model
         As in ``sea.Sea`` and ``sea.spectra.WaveSystem``.
     gusts : bool
+        Along the mean wind, with the turbulence intensity of the wind drawn.
     """
 
     current_speed: float
@@ -97,7 +99,9 @@ class SeaRange:
             "current_encounter_deg": angle,
             "wave_encounter_deg": angle,
             "wind_encounter_deg": angle,
+            "wave_height": (0.0, math.inf, "m"),
             "wave_height_min": (0.0, self.wave_height, "m"),
+            "wind_speed": (0.0, math.inf, "m/s"),
             "wind_speed_min": (0.0, self.wind_speed, "m/s"),
         }
         check_fields("sea", self, ranges)
@@ -107,6 +111,11 @@ class SeaRange:
             raise ConfigError(
                 f"sea.states = {list(self.states)} together with wave_height = {self.wave_height}, "
                 f"wind_speed = {self.wind_speed}: allowed is either the states or the numbers"
+            )
+        if self.states and self.peak_period != SeaRange.peak_period:
+            raise ConfigError(
+                f"sea.peak_period = {self.peak_period} together with sea.states = "
+                f"{list(self.states)}: the states bring their own; allowed is either"
             )
         self.weathers()  # refuses what no sea has
 

@@ -6,6 +6,7 @@ import dataclasses
 import math
 
 from ship_gym.config import ConfigError, check_fields, check_known
+from ship_gym.tracks.generator import MARGIN
 from ship_gym.tracks.shapes import SHAPES
 
 
@@ -110,11 +111,13 @@ class TrackRange:
             "leg_max": (0.1, 1000.0, "L"),
             "leg_min": (0.1, self.leg_max, "L"),
             "turn_max_deg": (0.0, 150.0, "deg"),
-            "turn_radius": (0.0, 100.0, "L"),
+            "turn_radius": (1e-3, 100.0, "L"),
             "acceptance": (0.1, 20.0, "L"),
             "look_ahead": (0.1, 100.0, "L"),
         }
         check_fields("track", self, ranges)
+        if self.leg_min <= MARGIN:
+            raise ConfigError(f"track.leg_min = {self.leg_min}: allowed is above {MARGIN:g} [L]")
         given = bool(self.points) + bool(self.file)
         if given != (self.kind == "points"):
             raise ConfigError(
@@ -216,7 +219,7 @@ class Sensors:
 class Randomisation:
     """What of the ship differs between episodes; everything is off by default.
 
-    Normal draws are cut at three standard deviations. What was drawn is in
+    Normal draws are limited to three standard deviations. What was drawn is in
     ``info["randomisation"]`` and in recordings, as factors of the ship file's value (surrogate: in
     standard deviations).
 
@@ -286,8 +289,11 @@ class Failure:
             "heading_bias_deg": (-180.0, 180.0, "deg"),
         }
         check_fields("failure", self, ranges)
+        if self.time > 0.0 and not self.any:
+            raise ConfigError(f"failure.time = {self.time}: nothing fails then; say what does")
 
     @property
     def any(self) -> bool:
         """Whether anything fails."""
-        return self != Failure(time=self.time)
+        sizes = (self.rudder_rate, self.propeller_speed, self.heading_bias_deg)
+        return sizes != (1.0, None, 0.0)

@@ -113,22 +113,23 @@ def reward_terms(error, delta, stroke, u, task, failed):
 
 
 @kernel
-def command_batch(actions, states, ships, tasks, commands, rudder_before):
+def command_batch(actions, states, ships, tasks, commands, rudder_before, n_before):
     """Actions in [-1, 1] to commands: rudder / delta_max and, if there, rpm from [0, n_max].
 
-    Keeps the rudder angle at the start of the interval. Returns how many rows are finite.
+    Keeps rudder angle and propeller speed at the start of the interval. Returns how many rows are
+    finite.
     """
     good = 0
     for i in range(actions.shape[0]):
-        rudder_before[i] = states[i, DELTA]
+        rudder_before[i], n_before[i] = states[i, DELTA], states[i, N]
         commands[i, 0] = clipped(actions[i, 0], -1.0, 1.0) * ships[i].gear.delta_max
         n = tasks[i].n_order
-        total = actions[i, 0]
+        finite = math.isfinite(actions[i, 0])
         if actions.shape[1] > 1:
             n = 0.5 * (clipped(actions[i, 1], -1.0, 1.0) + 1.0) * ships[i].engine.n_max
-            total += actions[i, 1]
+            finite = finite and math.isfinite(actions[i, 1])
         commands[i, 1] = min(n, tasks[i].n_limit)
-        good += 1 if math.isfinite(total) else 0
+        good += 1 if finite else 0
     return good
 
 
@@ -177,16 +178,17 @@ def settle(i, error, found, outcome, verdict, terms):
 
 
 @kernel
-def account_batch(states, flow, ships, dt, verdict, must_arrive, ledger):
+def account_batch(states, n_before, flow, ships, dt, verdict, must_arrive, ledger):
     """Write what an interval has cost: `ledger` holds power [W], energy since the reset [J], the
     safety cost and success, each (n,).
 
-    Success is to reach the end of the episode in `heading` tasks, the last way-point in tracks.
+    Power is that at the start of the interval, of which torque and `n_before` [rev/s] are. Success
+    is to reach the end of the episode in `heading` tasks, the last way-point in tracks.
     """
     _, _, truncated, _, outcomes, _, _ = verdict
     power, energy, cost, success = ledger
     for i in range(states.shape[0]):
-        power[i] = 2.0 * math.pi * states[i, N] * flow[i, FLOW_TORQUE]
+        power[i] = 2.0 * math.pi * n_before[i] * flow[i, FLOW_TORQUE]
         energy[i] += power[i] * dt[i]
         limit = outcomes[i] == HEADING_LIMIT or outcomes[i] == TRACK_LIMIT
         saturated = abs(states[i, DELTA]) >= _SATURATED * ships[i].gear.delta_max

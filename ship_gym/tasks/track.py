@@ -83,12 +83,25 @@ def sail_leg(task, plan, k):
 
 
 @kernel
+def off_leg(state, task):
+    """Cross-track error [m] of one ship from its active leg, positive to starboard of it."""
+    return leg_position(state[X], state[Y], task.x_a, task.y_a, task.x_b, task.y_b)[1]
+
+
+@kernel
+def off_leg_batch(which, states, tasks, errors):
+    """Write the cross-track errors [m] of some ships, which are at the start of an episode."""
+    for i in which:
+        errors[i] = off_leg(states[i], tasks[i])
+
+
+@kernel
 def judge_batch(states, rudder_before, seas, tasks, plans, terms, verdict):
     """Reward terms (n, 5) and verdict (``bridge.settle``) of the interval just sailed.
 
     It is judged by the leg that was active during it; then the next leg begins where the ship has
-    reached the circle of acceptance or passed the way-point. Reaching the last way-point ends the
-    episode as arrived.
+    reached the circle of acceptance or passed the way-point, and the error in the verdict is that
+    from this one, as in the observation. Reaching the last way-point ends the episode as arrived.
     """
     for i in range(states.shape[0]):
         task, psi, delta = tasks[i], states[i, PSI], states[i, DELTA]
@@ -105,6 +118,7 @@ def judge_batch(states, rudder_before, seas, tasks, plans, terms, verdict):
         settle(i, cross, found, outcome, verdict, terms)
         if reached and not last:
             sail_leg(task, plans[i], task.active + 1)
+            verdict[5][i] = off_leg(states[i], task)
 
 
 @kernel

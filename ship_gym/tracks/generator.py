@@ -21,6 +21,8 @@ import numpy as np
 from ship_gym.config import ConfigError, check_angle, check_number
 from ship_gym.tracks.track import SHARPEST_TURN
 
+MARGIN = 1.0  # straight part that is left on every leg [L]
+
 
 def n_draws(legs: int) -> int:
     """Number of uniform draws of a track of `legs` legs: a length each and the turns between."""
@@ -35,7 +37,7 @@ def random_points(
     leg_min: float = 3.0,
     leg_max: float = 15.0,
     turn_max: float = math.radians(90.0),
-    margin: float = 1.0,
+    margin: float = MARGIN,
 ) -> np.ndarray:
     """Way-points of m random tracks, in ship lengths; every turn fits between its neighbours.
 
@@ -113,6 +115,8 @@ def _points(lengths: np.ndarray, turns: np.ndarray) -> np.ndarray:
     for leg in range(legs):
         if leg > 0:
             bearing = bearing + turns[:, leg - 1]
-        points[:, leg + 1, 0] = points[:, leg, 0] + lengths[:, leg] * np.cos(bearing)
-        points[:, leg + 1, 1] = points[:, leg, 1] + lengths[:, leg] * np.sin(bearing)
+        # math, not numpy: the last bit of numpy's cosine may depend on where in a vector it is
+        cos, sin = (np.array([f(b) for b in bearing.tolist()]) for f in (math.cos, math.sin))
+        points[:, leg + 1, 0] = points[:, leg, 0] + lengths[:, leg] * cos
+        points[:, leg + 1, 1] = points[:, leg, 1] + lengths[:, leg] * sin
     return points

@@ -12,6 +12,7 @@ from ship_gym.config import ConfigError
 from ship_gym.conventions import PSI
 from ship_gym.envs.env import ShipEnv
 from ship_gym.evaluation import rollout
+from ship_gym.sea.gusts import turbulence_intensity
 
 ID = "ShipGym/HeadingKeeping-v0"
 CALM = {"sea.states": [], "sea.gusts": False}
@@ -137,3 +138,23 @@ def test_recordings_hold_the_waves():
 def test_seas_that_are_none(overrides, words):
     with pytest.raises(ConfigError, match=words):
         ShipEnv(overrides=CALM | overrides)
+
+
+def test_a_smaller_wind_has_its_own_turbulence():
+    wind = CALM | {"sea.wind_speed": 20.0, "sea.wind_speed_min": 2.0, "sea.gusts": True}
+    env, found = ShipEnv(overrides=wind), []
+    for seed in range(6):
+        env.reset(seed=seed)
+        sea = env.episodes.sim.seas[0]
+        U = math.hypot(sea["wind_north"], sea["wind_east"])
+        intensity = math.sqrt(0.5 * (sea["gust_share"] ** 2).sum())
+        found.append((U, intensity / turbulence_intensity(U)))
+    U, ratio = np.array(found).T
+    assert np.ptp(U) > 5.0
+    # one factor for all winds: the height of the wind area, the frequencies of the largest wind
+    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-9)
+
+
+def test_two_overrides_of_one_section_are_refused_where_one_would_be_lost():
+    with pytest.raises(ConfigError, match="'sea' is given twice"):
+        ShipEnv(overrides={"sea": 5, "sea.states": ["ss5"]})

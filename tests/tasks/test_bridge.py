@@ -3,6 +3,8 @@ import math
 import numpy as np
 import pytest
 
+from ship_gym.conventions import N
+from ship_gym.envs.env import ShipEnv
 from ship_gym.tasks import TASKS, observations_of
 from ship_gym.tasks.bridge import N_BRIDGE, N_TERMS, TASK_DTYPE, polar, reward_terms
 
@@ -42,3 +44,13 @@ def test_sizes_of_every_task():
         assert len(observations_of(name, True)) == len(one.observations) + 26
         for symbol, _, low, high, meaning in observations_of(name, True):
             assert symbol and meaning and low < high
+
+
+def test_power_is_that_of_torque_and_propeller_speed_at_one_instant():
+    env = ShipEnv(control="rudder+rpm", overrides={"control_interval": 5.0})
+    env.reset(seed=0)
+    for action in (-1.0, 1.0):
+        n = env.episodes.sim.state[0, N]
+        *_, info = env.step(np.array([0.0, action]))
+        assert info["power"] == pytest.approx(2.0 * math.pi * n * info["flow"]["torque"])
+        assert env.episodes.sim.state[0, N] != pytest.approx(n, rel=0.01)

@@ -52,11 +52,20 @@ def test_the_next_leg_begins_in_the_circle_and_the_interval_is_judged_by_the_old
     assert info["leg"] == 0
     obs, _, _, _, info = place(env, 2000.0 - 1.95 * L, 30.0)
     assert info["leg"] == 1 and info["psi_ordered"] == pytest.approx(0.5 * math.pi)
-    assert info["cross_track"] == pytest.approx(30.0, abs=0.1)
+    # the reward is that of the old leg, all else that of the new one
+    assert info["reward_terms"]["cross_track"] == pytest.approx(-((30.0 / L) ** 2), rel=0.01)
+    assert info["cross_track"] == pytest.approx(obs[9] * L, rel=1e-6)
     # the ship is south of the eastward leg: to starboard of it
     assert obs[9] == pytest.approx(1.95 - 7.4 / L, abs=0.02)
     assert obs[0] == pytest.approx(-1.0, abs=1e-3)
     assert obs[12] == 0.0
+
+
+def test_a_reset_tells_how_far_off_the_first_leg_the_ship_is():
+    env = ShipEnv(scenario="track_following", overrides=CALM | {"start.cross_track": 2.0})
+    for seed in range(5):
+        obs, info = env.reset(seed=seed)
+        assert abs(obs[9]) > 0.01 and info["cross_track"] == pytest.approx(obs[9] * L, rel=1e-6)
 
 
 def test_a_missed_circle_is_passed_abeam():
