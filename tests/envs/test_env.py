@@ -207,3 +207,28 @@ def test_golden_trajectory(env_id):
     from tests.golden.write import golden_rows
 
     np.testing.assert_allclose(golden_rows(env_id), golden, rtol=1e-6, atol=1e-7)
+
+
+def test_two_resets_in_a_row_show_the_second_episode(tmp_path, monkeypatch):
+    pytest.importorskip("rerun")
+    from ship_gym.recording import live
+
+    shown = []
+
+    class View:
+        def __init__(self, ship, title):
+            self.open = False
+
+        def show(self, row, track):
+            if not self.open:
+                shown.append(track[-1].tolist())
+            self.open = True
+
+        def close(self):
+            self.open = False
+
+    monkeypatch.setattr(live, "LiveView", View)
+    env = ship_gym.TrackFollowing(render_mode="human")
+    env.reset(seed=0)
+    env.reset(seed=1)
+    assert len(shown) == 2 and shown[1] == env.episodes.plans[0, -1].tolist() != shown[0]

@@ -151,6 +151,19 @@ def test_classical_autopilots_complete_every_scenario(name):
         assert (outcome(PID(), name, seeds)[0] == RUNNING).all()
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("ship", ship_gym.available_ships())
+def test_classical_autopilots_sail_every_ship(ship):
+    seeds = tuning_seeds(16)
+    for controller, name, end in (
+        (PID(), "heading_keeping", RUNNING),
+        (PID(), "course_changing", RUNNING),
+        (ILOS(), "track_following", ARRIVED),
+    ):
+        sailed = rollout(controller, name, seeds=seeds, ship=ship)
+        assert (sailed.outcomes == end).mean() >= 15 / 16
+
+
 def test_classical_autopilots_complete_every_task():
     for name in ("heading_keeping", "course_changing"):
         assert (outcome(PID(), name)[0] == RUNNING).all()

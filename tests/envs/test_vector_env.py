@@ -183,7 +183,14 @@ def test_bad_actions_name_the_row():
         env.step(np.zeros(3))
 
 
-@pytest.mark.parametrize("name", ship_gym.available_ships())
+# a model is its ship by Froude's law but for friction: slow
+_SHIPS = [
+    pytest.param(name, marks=pytest.mark.slow) if name.endswith("_model") else name
+    for name in ship_gym.available_ships()
+]
+
+
+@pytest.mark.parametrize("name", _SHIPS)
 def test_no_state_that_an_agent_can_reach_diverges(name):
     """1000 episodes of random actions, held for random times, rudder and rpm."""
     env = ship_gym.ShipVectorEnv(
