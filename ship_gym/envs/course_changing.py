@@ -70,8 +70,14 @@ class CourseChanging(ShipEnv):
 
     ## Arguments
     ```python
-    gym.make("ShipGym/CourseChanging-v0", ship="kcs", control="rudder", surrogate=None,
-             privileged=False, overrides={"sea.states": ["ss5"], "duration": 1200.0})
+    gym.make(
+        "ShipGym/CourseChanging-v0",
+        ship="kcs",
+        control="rudder",
+        surrogate=None,
+        privileged=False,
+        overrides={"sea.states": ["ss5"], "duration": 1200.0},
+    )
     ```
 
     - `ship`: one of `ship_gym.available_ships()`, the path of a ship file, or a `Ship`. Times, sea,

@@ -72,8 +72,14 @@ class HeadingKeeping(ShipEnv):
 
     ## Arguments
     ```python
-    gym.make("ShipGym/HeadingKeeping-v0", ship="kcs", control="rudder", surrogate=None,
-             privileged=False, overrides={"sea.states": ["ss5"], "duration": 900.0})
+    gym.make(
+        "ShipGym/HeadingKeeping-v0",
+        ship="kcs",
+        control="rudder",
+        surrogate=None,
+        privileged=False,
+        overrides={"sea.states": ["ss5"], "duration": 900.0},
+    )
     ```
 
     - `ship`: one of `ship_gym.available_ships()`, the path of a ship file, or a `Ship`. Times, sea,

@@ -80,8 +80,14 @@ class TrackFollowing(ShipEnv):
 
     ## Arguments
     ```python
-    gym.make("ShipGym/TrackFollowing-v0", ship="kcs", control="rudder", surrogate=None,
-             privileged=False, overrides={"sea.states": ["ss5"], "duration": 4800.0})
+    gym.make(
+        "ShipGym/TrackFollowing-v0",
+        ship="kcs",
+        control="rudder",
+        surrogate=None,
+        privileged=False,
+        overrides={"sea.states": ["ss5"], "duration": 4800.0},
+    )
     ```
 
     - `ship`: one of `ship_gym.available_ships()`, the path of a ship file, or a `Ship`. Times, sea,

@@ -20,11 +20,13 @@ IDS = sorted(ship_gym.ENVIRONMENTS)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("privileged", [False, True])
 @pytest.mark.parametrize("env_id", IDS)
-def test_a_million_random_steps_stay_inside_the_declared_bounds(env_id, privileged):
-    """Half of the ships change their action every step, half hold it for half a minute."""
-    envs = gym.make_vec(env_id, num_envs=2000, control="rudder+rpm", privileged=privileged)
+def test_a_million_random_steps_stay_inside_the_declared_bounds(env_id):
+    """Half of the ships change their action every step, half hold it for half a minute.
+
+    With the privileged entries, behind which the others stand unchanged.
+    """
+    envs = gym.make_vec(env_id, num_envs=2000, control="rudder+rpm", privileged=True)
     rng = np.random.default_rng(0)
     observations, _ = envs.reset(seed=0)
     actions = rng.uniform(-1.0, 1.0, (2000, 2))
