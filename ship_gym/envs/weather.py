@@ -63,8 +63,9 @@ class Weathers:
                               for c in self._choices])  # fmt: skip
         self._H_s = np.array([c.sea.waves[0].height if c.sea.waves else 0.0
                               for c in self._choices])  # fmt: skip
-        for name in ("height_min", "wind_min", "wind_max"):
-            setattr(self, f"_{name}", np.array([getattr(c, name) for c in self._choices]))
+        self._height_min = np.array([c.height_min for c in self._choices])
+        self._wind_min = np.array([c.wind_min for c in self._choices])
+        self._wind_max = np.array([c.wind_max for c in self._choices])
 
     @property
     def n_draws(self) -> int:

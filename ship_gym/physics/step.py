@@ -21,8 +21,8 @@ def waves_now(time, body, sea, around):
     X, Y, N, sway, sway_velocity, roll, yaw, yaw_rate, fast = wave_loads(
         time, body, waves, groups, response, grid, sea.mean_drift == 1
     )
-    on, outside = sea.drift, max(fast, sea.waves_outside)
-    return on * X, on * Y, on * N, sway, sway_velocity, roll, yaw, yaw_rate, outside
+    on = sea.drift
+    return on * X, on * Y, on * N, sway, sway_velocity, roll, yaw, yaw_rate, fast
 
 
 @kernel

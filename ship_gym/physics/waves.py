@@ -126,7 +126,7 @@ def wave_loads(time, body, waves, groups, response, grid, mean_only):
     """
     psi, met = body[5], met_waves(time, body, waves)
     speeds, headings = response.shape[0], response.shape[1]
-    i, w = cell(grid[2], 0.0, grid[0], speeds)
+    i, w = cell(min(grid[2], grid[1]), 0.0, grid[0], speeds)
     PX = PX_ = PY = PY_ = PN = PN_ = Q = Q_ = 0.0
     sway = sway_rate = roll = yaw = yaw_rate = 0.0
     for g in range(len(groups) - 1):

@@ -30,10 +30,9 @@ import numpy as np
 
 from ship_gym.config import ConfigError, check_number
 from ship_gym.conventions import G
-from ship_gym.sea.spectra import WaveSystem, spreading
+from ship_gym.sea.spectra import STEEPEST, WaveSystem, spreading
 
 _RANGE = (0.3, 12.0)  # of omega / omega_p; above lie 0.1 % of the first moment, 1 % of the second
-_STEEPEST = 0.142  # height / length of the steepest regular wave in deep water, Michell (1893)
 N_DIRECTIONS = 12
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
@@ -78,10 +77,10 @@ def regular_wave(amplitude: float, omega: float) -> WaveComponents:
     check_number("wave.omega", omega, 0.05, 50.0, "rad/s")
     k = omega**2 / G
     steepness = amplitude * k / math.pi
-    if steepness > _STEEPEST:
+    if steepness > STEEPEST:
         raise ConfigError(
             f"wave.amplitude = {amplitude} m at omega {omega:.4g} rad/s: height / length "
-            f"{steepness:.3f}, a wave breaks above {_STEEPEST}"
+            f"{steepness:.3f}, a wave breaks above {STEEPEST}"
         )
     return WaveComponents(
         np.array([float(amplitude)]), np.array([float(omega)]), np.array([k]), np.zeros(1)

@@ -28,6 +28,7 @@ from ship_gym.sea.wave_response import (
     SPEED_STEP,
     energy_outside,
     wave_response,
+    wave_table_of,
 )
 from ship_gym.sea.wind_coefficients import wind_table
 from ship_gym.ships.particulars import Ship
@@ -183,7 +184,7 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
             records[i]["speed_step"] = SPEED_STEP * math.sqrt(G * ship.hull.L)
             records[i]["waves_outside"] = energy_outside(ship, waves)
             responses.append(wave_response(ship, waves.omega, s.surge_model))
-            records[i]["speed_max"] = records[i]["speed_step"] * (len(responses[-1]) - 1)
+            records[i]["speed_max"] = wave_table_of(ship).froude[-1] * math.sqrt(G * ship.hull.L)
     breaks = np.flatnonzero(np.diff(first.direction)) + 1
     groups = np.array([0, *breaks.tolist(), count] if count else [0], dtype=np.int64)
     response = _stacked(responses) if responses else BLANK_RESPONSE

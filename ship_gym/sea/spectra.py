@@ -21,6 +21,7 @@ import numpy as np
 from ship_gym.config import ConfigError, check_angle, check_known, check_number
 from ship_gym.conventions import G
 
+STEEPEST = 0.142  # height / length of the steepest regular wave in deep water, Michell (1893)
 SPECTRA = ("bretschneider", "jonswap")
 
 
@@ -57,6 +58,12 @@ class WaveSystem:
         check_number("waves.peak_period", self.peak_period, 0.1, 40.0, "s")
         check_number("waves.gamma", self.gamma, 1.0, 10.0)
         check_angle("waves.direction", self.direction)
+        steepness = 2.0 * math.pi * self.height / (G * self.peak_period**2)
+        if steepness > STEEPEST:
+            raise ConfigError(
+                f"waves.height = {self.height} m at peak_period = {self.peak_period} s: height by "
+                f"length of the peak {steepness:.3f}, a wave breaks above {STEEPEST}"
+            )
         if self.spreading != 0.0:
             _check_spreading(self.spreading)
 

@@ -136,7 +136,8 @@ def _at(table: WaveTable, values: np.ndarray, omega: np.ndarray, L: float) -> np
     i = np.clip(np.searchsorted(table.omega, x) - 1, 0, len(table.omega) - 2)
     w = (x - table.omega[i]) / (table.omega[i + 1] - table.omega[i])
     values = (1.0 - w) * values[..., i] + w * values[..., i + 1]
-    speeds = np.arange(0.0, table.froude[-1] + 0.5 * SPEED_STEP, SPEED_STEP)
+    # the last one at or beyond the table's end, by the slope of its last piece: exact up to the end
+    speeds = np.arange(0.0, table.froude[-1] + SPEED_STEP - 1e-9, SPEED_STEP)
     j = np.clip(np.searchsorted(table.froude, speeds) - 1, 0, len(table.froude) - 2)
     q = (speeds - table.froude[j]) / (table.froude[j + 1] - table.froude[j])
     q = q[:, None, None]

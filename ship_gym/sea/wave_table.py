@@ -39,12 +39,13 @@ UNCERTAINTY = {
     1: "150 to 180 deg at speed: surge mostly within 0.2 of SNNM's peak (rms; KVLCC2 up to 0.4)",
     2: "90 to 150 deg at speed: surge mostly within 0.35 of SNNM's peak (rms)",
     3: "below 90 deg at speed: factor 2, sway near 75 deg worse in places",
-    4: "waves shorter than 0.4 L at speed: potential surge is 1.5 to 5 times too small",
+    4: "waves shorter than 0.4 L at speed: SNNM's head-sea surge 0.7 to 6 times this (S-175 23)",
     5: "interpolated across tau = 1/4, or |omega_e| sqrt(L/g) < 0.3 where motions are faded",
 }
 # Where the surge coefficient of the choice "blend" is SNNM's: at Fn >= SNNM_FULL_FROUDE in waves
-# shorter than SNNM_SHORT (none beyond SNNM_SHORT_END) by L, in which potential theory lies 1.5 to 5
-# below it, and at headings below SNNM_FOLLOWING_DEG (none beyond 90 deg).
+# shorter than SNNM_SHORT (none beyond SNNM_SHORT_END) by L, in which potential theory lies mostly
+# below it, up to 6 times (S-175 23) in the shortest, and at headings below SNNM_FOLLOWING_DEG (none
+# beyond 90 deg).
 SNNM_FULL_FROUDE = 0.10
 SNNM_SHORT = 0.4
 SNNM_SHORT_END = 0.5
@@ -129,6 +130,7 @@ class WaveTable:
         given = np.broadcast_arrays(froude, np.abs(mu), omega)
         points = [np.clip(x, axis[0], axis[-1]) for x, axis in zip(given, axes, strict=True)]
         found = RegularGridInterpolator(axes, values)(np.stack(points, axis=-1))
+        found = found.reshape(*given[0].shape, -1)  # of one point it has an axis too many
         side = np.where(np.broadcast_to(mu, given[0].shape) >= 0.0, 1.0, -1.0)
         found[..., list(odd)] *= side[..., None]
         return found

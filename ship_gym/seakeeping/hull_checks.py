@@ -6,11 +6,12 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.seakeeping.hull_mesh import HullMesh, boundary_edges, panel_edges
-from ship_gym.seakeeping.hydrostatics import closure, hydrostatics
+from ship_gym.seakeeping.hydrostatics import closure, comparison, hydrostatics
 from ship_gym.ships.particulars import Ship
 
 _VOLUME = 0.05  # largest difference from the ship file
 _LENGTH, _MIDDLE, _DRAUGHT = 0.15, 0.08, 0.15  # by L, by L, by d: wrong units, origin, waterline
+_CENTRE = 0.01  # by L: centre of buoyancy of a hull that may lie the wrong way round
 _UNITS = {"mm": 0.001, "cm": 0.01, "inch": 0.0254, "ft": 0.3048, "km": 1000.0}
 
 
@@ -59,7 +60,7 @@ def check_mesh(mesh: HullMesh, ship: Ship, name: str = "hull mesh") -> None:
     ------
     ConfigError
         Normals that disagree or point inward, holes below the waterline, a volume that differs
-        from the ship file's by more than 5 %.
+        from the ship file's by more than 5 %, a bow where the stern should be.
     """
     _check_winding(mesh, name)
     _check_holes(mesh, name)
@@ -76,6 +77,12 @@ def check_mesh(mesh: HullMesh, ship: Ship, name: str = "hull mesh") -> None:
             f"{name}: volume {found.volume:.5g} m3, but {ship.name} has {ship.hull.volume:.5g}: "
             f"allowed is a difference of {100 * _VOLUME:g} %; check scale and waterline, and that "
             "there are no inner walls, tanks or double surfaces"
+        )
+    x_B, given = comparison(mesh, ship)["x_B"]
+    if abs(x_B - given) > max(_CENTRE * ship.hull.L, 2.0 * abs(x_B + given)):
+        raise ConfigError(
+            f"{name}: centre of buoyancy {x_B:.4g} m forward of midship, but {ship.name} has "
+            f"{given:.4g} m: the bow seems to be at the stern; give forward with the other sign"
         )
 
 

@@ -234,5 +234,5 @@ def test_speed_and_frequency_outside_the_table_are_clamped_and_told(ship):
     np.testing.assert_allclose(fast[:3], last[:3])
     assert fast[8] == pytest.approx(20.0 / (6 * SPEED_STEP) - 1.0) and last[8] == 0.0
     short = made(ship, Sea(regular=RegularWave(0.2, 3.0)))
-    assert short.waves[0, 8] == 1.0  # all of its energy
+    assert short.seas["waves_outside"][0] == 1.0  # all of its energy
     assert np.isfinite(wave_response(ship, np.array([0.01, 30.0]), "blend")).all()

@@ -179,3 +179,8 @@ def test_unknown_sea_state(number):
 def test_sea_state_without_period():
     with pytest.raises(ConfigError, match="no wave period"):
         sea_state(1).waves()
+
+
+def test_an_irregular_sea_steeper_than_a_wave_can_be_is_refused():
+    with pytest.raises(ConfigError, match=r"waves.height = 20.0 m at peak_period = 3.0 s"):
+        WaveSystem("jonswap", 20.0, 3.0)

@@ -107,6 +107,24 @@ def test_lookup_is_what_the_kernels_interpolate_and_mirrors():
     rao = table.rao(0.15, np.radians([60.0, -60.0]), 2.4)
     np.testing.assert_allclose(rao[0] * [1, -1, 1, -1, 1, -1], rao[1])
     assert table.drift([[0.0, 0.1]], 1.0, 2.0).shape == (1, 2, 3)
+    assert table.drift(0.1, 1.0, 2.0).shape == (3,) and table.rao(0.1, 1.0, 2.0).shape == (6,)
+
+
+def test_the_kernels_reach_the_last_speed_of_a_table():
+    """That of DTC is no multiple of the step: Fn 0.26."""
+    ship = load_ship("dtc")
+    wavelength, speed = 1.2 * ship.hull.L, 0.26 * math.sqrt(9.80665 * ship.hull.L)
+    sim = ShipSim(ship, 1, regular_sea(1.0, wavelength=wavelength))
+    found = []
+    for factor in (1.0, 1.02):
+        sim.reset(0, speed=factor * speed)
+        found.append((sim.waves[0, 0], sim.waves[0, -1]))
+    CX = load_wave_table("dtc").drift(sim.water.waves[0, 1, 0], math.pi, speed)[0]
+    assert found[0][0] == pytest.approx(
+        ship.rho * 9.80665 * ship.hull.B**2 / ship.hull.L * CX, rel=1e-6
+    )
+    assert found[0][1] == pytest.approx(0.0, abs=1e-9)
+    assert found[1] == pytest.approx((found[0][0], 0.02), rel=1e-6)
 
 
 def test_model_and_full_scale_drift_alike():

@@ -209,6 +209,11 @@ def test_inverted_normals_are_refused_and_can_be_flipped(gdf):
     same_hull(read_hull(path, SHIP, flip_normals=True, panels=None))
 
 
+def test_a_hull_that_lies_the_wrong_way_round_is_refused(gdf):
+    with pytest.raises(ConfigError, match="the bow seems to be at the stern"):
+        read_hull(gdf(), SHIP, forward="-x")
+
+
 def test_one_inverted_panel_is_refused(gdf):
     panels = WHOLE.panels.copy()
     panels[200] = panels[200, ::-1]

@@ -293,7 +293,7 @@ def test_missing_extra_is_one_clear_line(monkeypatch):
 def test_half_a_minute_of_training_beats_doing_nothing(tmp_path):
     """Under the slow disturbance; in waves it takes a minute, see agents/pretrained."""
     config = run_config(scenario="heading_slow_disturbance")
-    card = train(config, tmp_path / "run", steps=500_000)
+    card = train(config, tmp_path / "run", steps=600_000)
     policy, seeds = load_policy(tmp_path / "run"), range(VALIDATION_SEED, VALIDATION_SEED + 16)
     nothing = rollout(ConstantController(), config.scenario, seeds=seeds)
     assert card["best"]["success"] == 1.0
