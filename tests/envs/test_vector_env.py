@@ -183,9 +183,9 @@ def test_bad_actions_name_the_row():
         env.step(np.zeros(3))
 
 
-# a model is its ship by Froude's law but for friction: slow
+# one with one screw and one with two; the others are slow tests
 _SHIPS = [
-    pytest.param(name, marks=pytest.mark.slow) if name.endswith("_model") else name
+    name if name in ("kcs", "onrt") else pytest.param(name, marks=pytest.mark.slow)
     for name in ship_gym.available_ships()
 ]
 

@@ -185,7 +185,7 @@ def sail(env, steps=25):
 
 
 @pytest.mark.parametrize(
-    "start", ["fork", "spawn", pytest.param("forkserver", marks=pytest.mark.slow)]
+    "start", ["fork", *(pytest.param(s, marks=pytest.mark.slow) for s in ("spawn", "forkserver"))]
 )
 def test_subproc_vec_env_sails_the_same_episodes(start):
     env = SubprocVecEnv([make_short] * 2, start_method=start)
