@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from agents.reference import Guidance, OrderWatch, Reference, ReferenceModel
-from agents.wave_filter import LowPass, Observer, check_fields
+from agents.wave_filter import LowPass, Observer, check_gains
 from ship_gym.config import ConfigError, build, read_toml
 from ship_gym.conventions import wrap_angle
 from ship_gym.evaluation.controller import ConstantController
@@ -22,7 +22,7 @@ from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 
 GAINS = Path(__file__).parent / "gains"
-# columns of the observation, ship_gym.tasks.heading.OBSERVATIONS
+# columns of the observation, ship_gym.tasks.bridge.OBSERVATIONS
 _SIN, _COS, _RATE, _SWAY, _RUDDER = 0, 1, 2, 4, 5
 
 
@@ -68,7 +68,7 @@ class Gains:
     guidance: Guidance = dataclasses.field(default_factory=Guidance)
 
     def __post_init__(self):
-        check_fields("gains", self, signed=("K_v",))
+        check_gains("gains", self, signed=("K_v",))
         if self.low_pass is not None and self.observer is not None:
             raise ConfigError("gains: low_pass and observer are both given; allowed is one filter")
         if self.observer is None and np.any(np.asarray(self.K_b) != 0.0):

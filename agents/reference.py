@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from agents.wave_filter import LinearShip, check_fields
+from agents.wave_filter import LinearShip, check_gains
 from ship_gym.config import ConfigError
 from ship_gym.conventions import wrap_angle
 
@@ -67,7 +67,7 @@ class Reference:
     acceleration_limit: float = 1.0
 
     def __post_init__(self):
-        check_fields("reference", self)
+        check_gains("reference", self)
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if np.min(value) <= 0.0:
@@ -159,6 +159,6 @@ class Guidance:
     turn_radius: float = 4.0
 
     def __post_init__(self):
-        check_fields("guidance", self)
+        check_gains("guidance", self)
         if np.min(self.look_ahead) <= 0.0:
             raise ConfigError(f"guidance.look_ahead = {self.look_ahead}: must be positive")

@@ -20,7 +20,7 @@ import math
 import numpy as np
 from scipy.linalg import expm, solve_discrete_are
 
-from ship_gym.config import ConfigError, check_number
+from ship_gym.config import ConfigError, check_fields
 from ship_gym.conventions import DELTA, N, R, U, V, wrap_angle
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim, self_propulsion
@@ -30,7 +30,7 @@ _TRIAL_TURN = 20  # intervals of 1 full-scale s for which the rudder of a trial 
 _TRIAL_RUDDER = math.radians(6.0)
 
 
-def check_fields(kind: str, instance: object, signed: tuple[str, ...] = ()) -> None:
+def check_gains(kind: str, instance: object, signed: tuple[str, ...] = ()) -> None:
     """Refuse fields (numbers or arrays) that are not finite, too large, or negative and unsigned.
 
     Raises
@@ -38,13 +38,10 @@ def check_fields(kind: str, instance: object, signed: tuple[str, ...] = ()) -> N
     ConfigError
         Names the field, its value and the range.
     """
-    for field in dataclasses.fields(instance):
-        value = getattr(instance, field.name)
-        if value is None or dataclasses.is_dataclass(value):
-            continue
-        low = -_LARGEST if field.name in signed else 0.0
-        for number in np.ravel(value).tolist():
-            check_number(f"{kind}.{field.name}", number, low, _LARGEST)
+    names = [f.name for f in dataclasses.fields(instance)]
+    names = [name for name in names if not dataclasses.is_dataclass(getattr(instance, name))]
+    lowest = {name: -_LARGEST if name in signed else 0.0 for name in names}
+    check_fields(kind, instance, {name: (low, _LARGEST, "-") for name, low in lowest.items()})
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,7 +59,7 @@ class LinearShip:
     N_delta: float
 
     def __post_init__(self):
-        check_fields("linear_ship", self, tuple(f.name for f in dataclasses.fields(self)))
+        check_gains("linear_ship", self, tuple(f.name for f in dataclasses.fields(self)))
         if self.N_delta <= 0.0:
             raise ConfigError(f"linear_ship.N_delta = {self.N_delta}: must be positive")
 
@@ -126,7 +123,7 @@ class LowPass:
     T_v: float
 
     def __post_init__(self):
-        check_fields("low_pass", self)
+        check_gains("low_pass", self)
 
     def start(self, count: int, step: float) -> LowPassFilter:
         """Filter for `count` episodes with control interval `step` (over L / U0)."""
@@ -190,7 +187,7 @@ class Observer:
     wave_noise: float = 1.0
 
     def __post_init__(self):
-        check_fields("observer", self)
+        check_gains("observer", self)
         for name in ("bias_noise", "heading_error", "sway_error"):
             if np.min(getattr(self, name)) <= 0.0:
                 raise ConfigError(f"observer.{name} = {getattr(self, name)}: must be positive")

@@ -92,11 +92,15 @@ def check_number(
 
 
 def check_fields(section: str, item: object, ranges: dict[str, tuple[float, float, str]]) -> None:
-    """Refuse a field of a dataclass outside its range (low, high, unit); None is passed over."""
+    """Refuse a field of a dataclass outside its range (low, high, unit); None is passed over.
+
+    A field may be an array: each of its numbers is checked.
+    """
     for name, (low, high, unit) in ranges.items():
         value = getattr(item, name)
-        if value is not None:
-            check_number(f"{section}.{name}", value, low, high, unit)
+        for number in value.ravel().tolist() if isinstance(value, np.ndarray) else [value]:
+            if number is not None:
+                check_number(f"{section}.{name}", number, low, high, unit)
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:

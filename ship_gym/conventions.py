@@ -19,6 +19,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 # State vector of one ship: velocities over ground in body axes, position, heading, actuators.
 STATE_NAMES = ("u", "v", "r", "x", "y", "psi", "delta", "n")
 STATE_UNITS = ("m/s", "m/s", "rad/s", "m", "m", "rad", "rad", "rev/s")
@@ -65,3 +67,19 @@ def wrap_angle(angle):
         The same direction in [-pi, pi) [rad].
     """
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
+
+
+def polar(north, east):
+    """Length and direction of a horizontal vector.
+
+    Parameters
+    ----------
+    north, east : float or numpy.ndarray
+        Components.
+
+    Returns
+    -------
+    length, direction : float or numpy.ndarray
+        In the unit of the components; where it points to, from north clockwise in [0, 2 pi) [rad].
+    """
+    return np.hypot(north, east), np.arctan2(east, north) % (2.0 * math.pi)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -364,8 +363,3 @@ def through_water(columns: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.nda
     angle = columns["current_direction_to"] - columns["psi"]
     speed = columns["current_speed"]
     return columns["u"] - speed * np.cos(angle), columns["v"] - speed * np.sin(angle)
-
-
-def shaft_power(n: np.ndarray, torque: np.ndarray) -> np.ndarray:
-    """Delivered power [W] = 2 pi n Q."""
-    return 2.0 * math.pi * n * torque

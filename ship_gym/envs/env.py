@@ -61,16 +61,16 @@ def resolved_fleet(
         raise ConfigError(f"ship = {ships!r}: must be a name, a Ship or a list of them")
     if len(ships) == 0:
         raise ConfigError("ship = []: a fleet needs at least one ship")
-    found, fleet = None, []
-    for ship in ships:
+    # each different one once, by its name or, of an object, by itself
+    different = {ship if isinstance(ship, str) else id(ship): ship for ship in ships}
+    scenarios, made = [], {}
+    for key, ship in different.items():
         resolved, given = resolved_scenario(
             scenario, ship, control, surrogate, privileged, overrides
         )
-        fleet.append(
-            load_ship(resolved.ship, surrogate=resolved.surrogate) if given is None else given
-        )
-        found = found or resolved
-    return found, fleet
+        scenarios.append(resolved)
+        made[key] = given or load_ship(resolved.ship, surrogate=resolved.surrogate)
+    return scenarios[0], [made[ship if isinstance(ship, str) else id(ship)] for ship in ships]
 
 
 def check_render_mode(render_mode: str | None) -> None:

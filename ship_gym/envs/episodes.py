@@ -80,15 +80,15 @@ class EpisodeBatch:
         self.scenario, self.n = scenario, n
         if ship is None:
             ship = load_ship(scenario.ship, surrogate=scenario.surrogate)
-        self.fleet = [ship] if isinstance(ship, Ship) else list(ship)
-        self.ships = [self.fleet[i % len(self.fleet)] for i in range(n)]
+        given = [ship] if isinstance(ship, Ship) else list(ship)
+        self.ships = [given[i % len(given)] for i in range(n)]
+        self.fleet = list({id(one): one for one in given}.values())  # the different ones
         if scenario.randomisation.surrogate_std > 0.0:
             for one in self.fleet:
                 check_has_std(one)
         self.task = TASKS[scenario.task]
         self.sim = ShipSim(self.ships, n, parallel=parallel)
-        kinds = [i % len(self.fleet) for i in range(n)]
-        self._weathers = Weathers(scenario.sea, self.ships, kinds)
+        self._weathers = Weathers(scenario.sea, self.ships)
         self.sim.set_water(self._weathers.water)
         self._plan = plan_maker(scenario, self.ships)
         self._ship_draws = ShipDraws(scenario.randomisation, self.sim.records)

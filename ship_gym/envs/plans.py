@@ -11,7 +11,7 @@ from ship_gym.physics.angles import wrapped
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks import heading, track
-from ship_gym.tasks.bridge import polar
+from ship_gym.tasks.bridge import north_east
 from ship_gym.tracks.files import load_track
 from ship_gym.tracks.generator import n_draws, random_points
 from ship_gym.tracks.shapes import SHAPES
@@ -128,7 +128,7 @@ class Tracks:
         bearing = np.array([math.atan2(e, n) for n, e in legs.tolist()])
         aside = self._aside * (2.0 * uniform[:, 0] - 1.0) * L
         north, east = np.zeros(len(which)), np.zeros(len(which))
-        polar(aside, bearing + 0.5 * math.pi, north, east)
+        north_east(aside, bearing + 0.5 * math.pi, north, east)
         return plans[which, 0, 0] + north, plans[which, 0, 1] + east
 
     def _made(self, uniform: np.ndarray) -> np.ndarray:

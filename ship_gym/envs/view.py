@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from ship_gym.rendering.scene import Scene
 
 RENDER_MODES = ("rgb_array", "human")
-_WAKE = 900  # positions that the wake keeps
+_WAKE = 901  # positions that the wake keeps
 
 
 class Screen:
@@ -32,12 +33,12 @@ class Screen:
 
     def __init__(self, mode: str, episodes: EpisodeBatch, index: int = 0):
         self._mode, self._episodes, self._index = mode, episodes, index
-        self._wake: list[tuple[float, float]] = []
+        self._wake: deque[tuple[float, float]] = deque(maxlen=_WAKE)
         self._view = self._live = None
 
     def begin(self) -> None:
         """A new episode begins."""
-        self._wake = []
+        self._wake.clear()
         if self._live is not None:
             self._live.close()  # two resets without a step between them begin at the same time
         self.follow()
@@ -45,7 +46,7 @@ class Screen:
     def follow(self) -> None:
         """Keep the present position; show it at once in mode ``human``."""
         x, y = self._episodes.sim.state[self._index, [X, Y]].tolist()
-        self._wake = [*self._wake[-_WAKE:], (x, y)]
+        self._wake.append((x, y))
         if self._mode == "human":
             self._stream()
 

@@ -11,7 +11,7 @@ from ship_gym.scenarios.sea_range import SeaRange
 from ship_gym.sea.gusts import turbulence_intensity
 from ship_gym.sea.records import Waters, waters
 from ship_gym.ships.particulars import Ship
-from ship_gym.tasks.bridge import polar
+from ship_gym.tasks.bridge import north_east
 
 N_CURRENT = 2  # uniform numbers for the current
 N_WEATHER = 4  # and, where there are waves or wind, for state, height, wind speed and direction
@@ -24,9 +24,7 @@ class Weathers:
     ----------
     sea : SeaRange
     ships : list of Ship
-        One for each episode.
-    kinds : list of int
-        Index of each episode's ship among the different ones.
+        One for each episode; episodes of the same one share its tables.
 
     Attributes
     ----------
@@ -34,21 +32,21 @@ class Weathers:
         Of the n episodes, for ``ShipSim.set_water``.
     """
 
-    def __init__(self, sea: SeaRange, ships: list[Ship], kinds: list[int]):
+    def __init__(self, sea: SeaRange, ships: list[Ship]):
         self.sea = sea
         self._choices = sea.weathers()
         self._unit = np.array([ship.time_unit for ship in ships])
         self._scale = np.array([ship.scale for ship in ships])
-        distinct = dict(zip(kinds, ships, strict=True))
+        distinct = {id(ship): ship for ship in ships}
         pairs = [
-            (distinct[kind], choice.sea.scaled(distinct[kind].scale))
-            for kind in sorted(distinct)
+            (ship, choice.sea.scaled(ship.scale))
+            for ship in distinct.values()
             for choice in self._choices
         ]
-        # rows of the templates: kind by choice
+        # rows of the templates: ship by choice
         self._templates = waters([ship for ship, _ in pairs], [s for _, s in pairs])
-        self._kinds = np.array(kinds)
-        self._row = self._kinds * len(self._choices)
+        first_row = {key: k * len(self._choices) for k, key in enumerate(distinct)}
+        self._row = np.array([first_row[id(ship)] for ship in ships])
         made = self._templates
         shape = (len(ships), *made.waves.shape[1:])
         self.water: Waters = dataclasses.replace(
@@ -134,12 +132,12 @@ class Weathers:
         towards = waves_to
         if self.sea.wind_encounter_deg is not None:
             towards = self._direction(self.sea.wind_encounter_deg, psi, uniform)
-        polar(speed, towards, records["wind_north"], records["wind_east"])
+        north_east(speed, towards, records["wind_north"], records["wind_east"])
 
     def _set_current(self, records, which, uniform, psi) -> None:
         sea = self.sea
         span = sea.current_speed - sea.current_speed_min
         speed = (sea.current_speed_min + span * uniform[:, 0]) / self._unit[which]
         towards = self._direction(sea.current_encounter_deg, psi, uniform[:, 1])
-        polar(speed, towards, records["mean_north"], records["mean_east"])
+        north_east(speed, towards, records["mean_north"], records["mean_east"])
         records["V_north"], records["V_east"] = records["mean_north"], records["mean_east"]

@@ -17,15 +17,15 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import wrap_angle
+from ship_gym.physics.propeller import shaft_power
 from ship_gym.recording.trajectory import Trajectory
-from ship_gym.simulation import shaft_power, through_water
-from ship_gym.tasks.bridge import ARRIVED, OUTCOMES
+from ship_gym.simulation import through_water
+from ship_gym.tasks.bridge import ARRIVED, OUTCOMES, SATURATED
 from ship_gym.tracks.guidance import cross_track
 
 SETTLED_DEG = 2.0  # band of the settling time
 DWELL = 60.0  # time to stay in the band [full-scale s]; later disturbances do not count
 DEAD_BAND_DEG = 1.0  # smaller swings of the rudder are no reversals
-SATURATED = 0.999  # share of the largest rudder angle that counts as hard over
 LAMBDAS = (0.1, 1.0, 8.0)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium.utils import seeding
 
 from ship_gym.config import ConfigError, check_number
-from ship_gym.conventions import wrap_angle
+from ship_gym.conventions import polar, wrap_angle
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.evaluation.controller import Controller
@@ -253,8 +253,8 @@ def rollout(
             break
     log.close(k + 1)
     seas, tasks = batch.sim.seas, batch.tasks
-    current = _polar(seas["V_north"], seas["V_east"])
-    wind_speed, wind_to = _polar(seas["wind_north"], seas["wind_east"])
+    current = polar(seas["V_north"], seas["V_east"])
+    wind_speed, wind_to = polar(seas["wind_north"], seas["wind_east"])
     return Rollout(
         controller=controller.name,
         scenario=batch.scenario,
@@ -275,11 +275,6 @@ def rollout(
         randomisation=batch.randomisation(),
         provenance=provenance(),
     )
-
-
-def _polar(north: np.ndarray, east: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Length and direction from north in [0, 2 pi) [rad]."""
-    return np.hypot(north, east), np.arctan2(east, north) % (2.0 * math.pi)
 
 
 class _Log:

@@ -149,3 +149,9 @@ def propeller_forces(motion, controls, flow, ship, tables):
         S = -side * share * q * sampled(table, at, C_S, box.z_S)
     X = (1.0 - p.t_P) * T
     return (X, S, p.x_P * S - p.y_P * X), (T, ratio, Q), (epsilon, beta_P)
+
+
+@kernel
+def shaft_power(n, torque):
+    """Delivered power [W] = 2 pi n Q of rev/s and N m, numbers or arrays of one shape."""
+    return 2.0 * math.pi * n * torque

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ship_gym.conventions import polar
 from ship_gym.rendering.camera import Camera
 from ship_gym.rendering.canvas import (
     BLUE,
@@ -21,7 +22,7 @@ from ship_gym.rendering.canvas import (
     bearing,
     toward,
 )
-from ship_gym.rendering.scene import Scene, polar
+from ship_gym.rendering.scene import Scene
 
 
 def draw_cards(canvas: Canvas, camera: Camera, scene: Scene, cells: int) -> None:
@@ -65,10 +66,10 @@ def _draw_surroundings(canvas: Canvas, scene: Scene) -> None:
         to = scene.wave_direction_to
         text = f"H {scene.wave_height:.3g} m, T {scene.wave_period:.3g} s"
         rows.append((to, BLUE, f"Waves  {text}, from {bearing(to + math.pi)}"))
-    speed, to = polar(scene.wind)
+    speed, to = polar(*scene.wind)
     if speed > 0.0:
         rows.append((to, MUTED, f"Wind  {speed:.3g} m/s from {bearing(to + math.pi)}"))
-    speed, to = polar(scene.current)
+    speed, to = polar(*scene.current)
     if speed > 0.0:
         rows.append((to, SKY, f"Current  {speed:.3g} m/s to {bearing(to)}"))
     title = canvas.fitted(f"{scene.task}, {scene.ship}", 14, 330.0)

@@ -19,6 +19,7 @@ from ship_gym.conventions import (
     V,
     X,
     Y,
+    polar,
     wrap_angle,
 )
 
@@ -147,17 +148,11 @@ class Scene:
             found |= {"psi_ordered": self.psi_ordered, "psi_error": self.heading_error}
         if self.track is not None:
             found["cross_track_error"] = self.cross_track
-        found["current_speed"], found["current_direction_to"] = polar(self.current)
-        found["wind_speed"], to = polar(self.wind)
+        found["current_speed"], found["current_direction_to"] = map(float, polar(*self.current))
+        found["wind_speed"], to = map(float, polar(*self.wind))
         found["wind_direction_from"] = (to + math.pi) % (2.0 * math.pi)
         found |= {"wave_yaw": self.wave_yaw, "wave_roll": self.wave_roll, "reward": self.reward}
         return found | {f"reward_{name}": value for name, value in self.reward_terms.items()}
-
-
-def polar(vector: tuple[float, float]) -> tuple[float, float]:
-    """Length and direction from north, in [0, 2 pi) [rad], of a vector north, east."""
-    north, east = vector
-    return math.hypot(north, east), math.atan2(east, north) % (2.0 * math.pi)
 
 
 def _check_shape(name: str, values: np.ndarray, shape: tuple[int, ...]) -> None:

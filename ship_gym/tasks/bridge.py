@@ -14,6 +14,7 @@ import numpy as np
 from ship_gym.conventions import DELTA, FLOW_TORQUE, N
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
+from ship_gym.physics.propeller import shaft_power
 from ship_gym.tasks.sensors import measured
 
 # symbol, unit, low, high, meaning; psi_e as the task has it
@@ -37,7 +38,7 @@ COST_TERMS = ("rudder", "rudder_rate", "speed_loss", "termination")
 N_TERMS = 1 + len(COST_TERMS)
 
 RUNNING, HEADING_LIMIT, TRACK_LIMIT, ARRIVED = 0, 1, 2, 3
-_SATURATED = 0.999  # share of the largest rudder angle that counts as hard over
+SATURATED = 0.999  # share of the largest rudder angle that counts as hard over
 OUTCOMES = ("running", "heading limit", "cross-track limit", "arrived")
 
 TASK_DTYPE = np.dtype(
@@ -188,16 +189,16 @@ def account_batch(states, n_before, flow, ships, dt, verdict, must_arrive, ledge
     _, _, truncated, _, outcomes, _, _ = verdict
     power, energy, cost, success = ledger
     for i in range(states.shape[0]):
-        power[i] = 2.0 * math.pi * n_before[i] * flow[i, FLOW_TORQUE]
+        power[i] = shaft_power(n_before[i], flow[i, FLOW_TORQUE])
         energy[i] += power[i] * dt[i]
         limit = outcomes[i] == HEADING_LIMIT or outcomes[i] == TRACK_LIMIT
-        saturated = abs(states[i, DELTA]) >= _SATURATED * ships[i].gear.delta_max
+        saturated = abs(states[i, DELTA]) >= SATURATED * ships[i].gear.delta_max
         cost[i] = 1.0 if saturated or limit else 0.0
         success[i] = outcomes[i] == ARRIVED if must_arrive else truncated[i] and not limit
 
 
 @kernel
-def polar(size, direction, north, east):
+def north_east(size, direction, north, east):
     """North and east components of vectors, shapes (m,), written. Not numpy's cosine: its last
     bit depends on the size of the batch.
     """

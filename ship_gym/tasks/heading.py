@@ -6,7 +6,14 @@ from ship_gym.conventions import DELTA, PSI, U
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
 from ship_gym.physics.dynamics import water_velocity
-from ship_gym.tasks.bridge import COST_TERMS, observe_bridge, reward_terms, settle
+from ship_gym.tasks.bridge import (
+    COST_TERMS,
+    HEADING_LIMIT,
+    RUNNING,
+    observe_bridge,
+    reward_terms,
+    settle,
+)
 
 REWARD_TERMS = ("heading", *COST_TERMS)
 # columns of the plan of an episode: interval from which an order holds, ordered heading [rad]
@@ -37,15 +44,16 @@ def judge_batch(states, rudder_before, seas, tasks, plans, terms, verdict):
 
     It is judged by the order that held during it; then the next one is given, if it is its time.
     """
+    _, _, _, elapsed, _, _, _ = verdict
     for i in range(states.shape[0]):
         task, psi, delta = tasks[i], states[i, PSI], states[i, DELTA]
         u_c, _ = water_velocity(psi, seas[i])
         psi_e = wrapped(psi - task.psi_ordered)
-        outcome = 1 if abs(psi_e) > task.heading_limit else 0
+        outcome = HEADING_LIMIT if abs(psi_e) > task.heading_limit else RUNNING
         stroke = delta - rudder_before[i]
-        found = reward_terms(psi_e, delta, stroke, states[i, U] - u_c, task, outcome == 1)
+        found = reward_terms(psi_e, delta, stroke, states[i, U] - u_c, task, outcome != RUNNING)
         settle(i, psi_e, found, outcome, verdict, terms)
-        if 0.0 < task.next_change <= verdict[3][i]:
+        if 0.0 < task.next_change <= elapsed[i]:
             give_order(task, plans[i], task.active + 1)
 
 

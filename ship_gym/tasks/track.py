@@ -9,8 +9,11 @@ from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
 from ship_gym.physics.dynamics import water_velocity
 from ship_gym.tasks.bridge import (
+    ARRIVED,
     COST_TERMS,
     N_BRIDGE,
+    RUNNING,
+    TRACK_LIMIT,
     clipped,
     observe_bridge,
     reward_terms,
@@ -103,6 +106,7 @@ def judge_batch(states, rudder_before, seas, tasks, plans, terms, verdict):
     reached the circle of acceptance or passed the way-point, and the error in the verdict is that
     from this one, as in the observation. Reaching the last way-point ends the episode as arrived.
     """
+    _, _, _, _, _, errors, _ = verdict
     for i in range(states.shape[0]):
         task, psi, delta = tasks[i], states[i, PSI], states[i, DELTA]
         u_c, _ = water_velocity(psi, seas[i])
@@ -111,14 +115,16 @@ def judge_batch(states, rudder_before, seas, tasks, plans, terms, verdict):
         )
         reached = passed(along, cross, length, task.acceptance) == 1
         last = task.active + 2 >= task.count
-        outcome = 2 if abs(cross) > task.cross_limit else (3 if reached and last else 0)
+        outcome = ARRIVED if reached and last else RUNNING
+        if abs(cross) > task.cross_limit:
+            outcome = TRACK_LIMIT
         stroke = delta - rudder_before[i]
         error = cross / task.L
-        found = reward_terms(error, delta, stroke, states[i, U] - u_c, task, outcome == 2)
+        found = reward_terms(error, delta, stroke, states[i, U] - u_c, task, outcome == TRACK_LIMIT)
         settle(i, cross, found, outcome, verdict, terms)
         if reached and not last:
             sail_leg(task, plans[i], task.active + 1)
-            verdict[5][i] = off_leg(states[i], task)
+            errors[i] = off_leg(states[i], task)
 
 
 @kernel

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from ship_gym.config import ConfigError
-from ship_gym.conventions import PSI, STATE_NAMES
+from ship_gym.conventions import PSI, STATE_NAMES, polar
 from ship_gym.rendering.camera import camera_for, clipped, foot, way_ahead
-from ship_gym.rendering.scene import Scene, polar
+from ship_gym.rendering.scene import Scene
 
 
 def scene(**changes) -> Scene:
@@ -47,8 +47,8 @@ def test_scenes_that_cannot_be_drawn_are_refused(changes, message):
 
 
 def test_directions():
-    assert polar((0.0, 2.0)) == pytest.approx((2.0, 0.5 * math.pi))  # to the east
-    assert polar((-3.0, 0.0)) == pytest.approx((3.0, math.pi))
+    assert polar(0.0, 2.0) == pytest.approx((2.0, 0.5 * math.pi))  # to the east
+    assert polar(-3.0, 0.0) == pytest.approx((3.0, math.pi))
     east = at(0.0, 0.0)
     east[PSI] = 0.5 * math.pi
     # A ship that heads east in a current to the east makes less way through the water; a part of
