@@ -6,8 +6,8 @@ import math
 from pathlib import Path
 
 import numpy as np
+from ship_gym_agents.pid import PID
 
-from agents.pid import PID
 from ship_gym import load_ship
 from ship_gym.conventions import KNOT, G, N
 from ship_gym.evaluation import rollout

@@ -10,10 +10,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-# `agents` is not in the wheel; where the checkout is not installed in place, find it there.
-sys.path.append(str(Path(__file__).resolve().parents[1]))
+# Where the checkout is not installed, find both packages in it.
+_ROOT = Path(__file__).resolve().parents[1]
+sys.path += [str(_ROOT), str(_ROOT / "agents")]
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError  # noqa: E402
 
 _REFUSED = 2  # exit code of argparse, and ours: nothing was done, or it was broken off
 _QUIET = 2.0  # seconds before a progress bar appears

@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 from _cli import parser, progress, run, show
+from ship_gym_agents import default_controllers, make_controller, trained_for
 
-from agents import default_controllers, make_controller, trained_for
 from ship_gym.evaluation import compare, evaluation_seeds, rollout, table
 from ship_gym.evaluation.rollout import begin
 from ship_gym.provenance import atomic_path

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from _cli import need, parser, progress, run, show
+from ship_gym_agents import make_controller, trained_for
 
-from agents import make_controller, trained_for
 from ship_gym.evaluation import METRICS, metrics, rollout
 from ship_gym.evaluation.rollout import EVALUATION_SEED
 from ship_gym.evaluation.statistics import aligned

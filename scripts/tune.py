@@ -5,14 +5,14 @@ from __future__ import annotations
 import dataclasses
 
 from _cli import parser, progress, run, show
+from ship_gym_agents.tune import gains_file, is_tuned, settings, tune, write_gains
 
-from agents.tune import gains_file, is_tuned, settings, tune, write_gains
 from ship_gym import available_ships
 from ship_gym.config import ConfigError
 
 HELP = "Tune the PID by differential evolution on seeds kept for tuning; writes files of gains."
 EXAMPLES = (
-    "python scripts/tune.py --ship all --resume  # into agents/gains, about 4 min a ship",
+    "python scripts/tune.py --ship all --resume  # into the package's gains, about 4 min a ship",
     "python scripts/tune.py --ship kcs --episodes 64 --out runs/pid_kcs.toml",
 )
 
@@ -26,7 +26,9 @@ def main() -> None:
         text = f"default {default}"
         args.add_argument(f"--{name}", type=type(default), default=default, help=text)
     args.add_argument("--resume", action="store_true", help="leave ships with such gains alone")
-    args.add_argument("--out", help="file to write (default: agents/gains/pid_<ship>.toml)")
+    args.add_argument(
+        "--out", help="file to write (default: gains/pid_<ship>.toml of the package)"
+    )
     args = args.parse_args()
     if args.out and args.ship == "all":
         raise ConfigError("--out is one file: name the ship too")

@@ -25,7 +25,7 @@ from ship_gym.tasks import TASKS
 from ship_gym.tasks.bridge import HEADING_LIMIT, OUTCOMES, TRACK_LIMIT
 from ship_gym.tracks.guidance import cross_track
 
-# Episode seeds: training draws from [0, 400_000) and validates from there on (agents/sb3), gains
+# Episode seeds: training draws from [0, 400_000) and validates from there on (agents), gains
 # and hyperparameters are tuned on [TUNING_SEED, EVALUATION_SEED), and nothing but an evaluation
 # uses EVALUATION_SEED and above. The hyperparameters of PPO were chosen with a look at seeds from
 # 1_000_000 on, so the evaluation lies above those.

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from ship_gym_agents.los import ILOS, LOSPID
+from ship_gym_agents.pid import Gains
+from ship_gym_agents.reference import Guidance
 
-from agents.los import ILOS, LOSPID
-from agents.pid import Gains
-from agents.reference import Guidance
 from ship_gym import load_scenario, load_ship
 from ship_gym.config import ConfigError
 

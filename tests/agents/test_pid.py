@@ -5,10 +5,10 @@ import sys
 
 import numpy as np
 import pytest
+from ship_gym_agents import CONTROLLERS, make_controller
+from ship_gym_agents.pid import PID, Gains, gains_of, gains_path, load_gains
+from ship_gym_agents.tune import episode_costs
 
-from agents import CONTROLLERS, make_controller
-from agents.pid import PID, Gains, gains_of, gains_path, load_gains
-from agents.tune import episode_costs
 from ship_gym import available_ships, load_scenario, load_ship
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController, Controller
@@ -172,6 +172,6 @@ def test_unknown_controllers_are_refused():
 
 
 def test_importing_agents_is_light():
-    code = "import sys, agents; print({'torch', 'stable_baselines3'} & set(sys.modules))"
+    code = "import sys, ship_gym_agents; print({'torch', 'stable_baselines3'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from ship_gym_agents import make_controller, pretrained, trained_for
+from ship_gym_agents.pid import PID
 
-from agents import make_controller, pretrained, trained_for
-from agents.pid import PID
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import evaluation_seeds, metrics, rollout
 from ship_gym.evaluation.controller import ConstantController

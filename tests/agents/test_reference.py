@@ -2,10 +2,10 @@ import math
 
 import numpy as np
 import pytest
+from ship_gym_agents.pid import PID, Gains
+from ship_gym_agents.reference import JUMP, Guidance, OrderWatch, Reference, ReferenceModel
+from ship_gym_agents.wave_filter import LinearShip, Observer
 
-from agents.pid import PID, Gains
-from agents.reference import JUMP, Guidance, OrderWatch, Reference, ReferenceModel
-from agents.wave_filter import LinearShip, Observer
 from ship_gym import load_scenario, load_ship
 from ship_gym.config import ConfigError
 

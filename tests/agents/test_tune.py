@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
-
-from agents import make_controller
-from agents.pid import PID, Gains, load_gains
-from agents.tune import (
+from ship_gym_agents import make_controller
+from ship_gym_agents.pid import PID, Gains, load_gains
+from ship_gym_agents.tune import (
     STRUCTURES,
     Tuned,
     episode_costs,
@@ -15,7 +14,8 @@ from agents.tune import (
     tune,
     write_gains,
 )
-from agents.wave_filter import LinearShip
+from ship_gym_agents.wave_filter import LinearShip
+
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.evaluation.metrics import control_cost, metrics

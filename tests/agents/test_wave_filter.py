@@ -3,9 +3,9 @@ import math
 
 import numpy as np
 import pytest
+from ship_gym_agents.pid import PID, Gains
+from ship_gym_agents.wave_filter import LinearShip, LowPass, Observer, identify
 
-from agents.pid import PID, Gains
-from agents.wave_filter import LinearShip, LowPass, Observer, identify
 from ship_gym import load_scenario, load_ship
 from ship_gym.config import ConfigError
 from ship_gym.conventions import DELTA, N, R, U, V

@@ -6,10 +6,10 @@ import operator
 import gymnasium as gym
 import numpy as np
 import pytest
+from ship_gym_agents.los import ILOS, LOSPID
+from ship_gym_agents.pid import PID
 
 import ship_gym
-from agents.los import ILOS, LOSPID
-from agents.pid import PID
 from ship_gym.evaluation import rollout
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.evaluation.rollout import tuning_seeds

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from ship_gym_agents.pid import PID, Gains
 
-from agents.pid import PID, Gains
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.evaluation.metrics import metrics, metrics_of, overshoot, reversals, settling_time

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
+from ship_gym_agents.pid import PID, Gains
 
-from agents.pid import PID, Gains
 from ship_gym import ShipEnv, load_ship
 from ship_gym.config import ConfigError
 from ship_gym.conventions import PSI

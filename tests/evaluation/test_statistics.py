@@ -2,8 +2,8 @@ import json
 
 import numpy as np
 import pytest
+from ship_gym_agents.pid import PID, Gains
 
-from agents.pid import PID, Gains
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import compare, rollout, table
 from ship_gym.evaluation.controller import ConstantController

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from ship_gym_agents.los import ILOS
+from ship_gym_agents.pid import PID
 
-from agents.los import ILOS
-from agents.pid import PID
 from ship_gym.evaluation import metrics, rollout
 from ship_gym.evaluation.metrics import METRICS, metrics_of
 from ship_gym.recording import Trajectory

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from ship_gym_agents.sb3.policy import POLICY_FILE, Actor, Normaliser, SB3Policy, save_policy
 
-from agents.sb3.policy import POLICY_FILE, Actor, Normaliser, SB3Policy, save_policy
 from ship_gym.config import ConfigError
 from ship_gym.tasks.bridge import OBSERVATIONS
 

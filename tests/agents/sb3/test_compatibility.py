@@ -12,6 +12,7 @@ import ship_gym
 pytest.importorskip("stable_baselines3", reason="extra 'rl' not installed")
 
 import torch
+from ship_gym_agents.sb3.vec_adapter import ShipVecEnv
 from stable_baselines3 import DQN, PPO, SAC, TD3
 from stable_baselines3.common.env_checker import check_env
 from stable_baselines3.common.env_util import make_vec_env
@@ -25,7 +26,6 @@ from stable_baselines3.common.vec_env import (
     VecVideoRecorder,
 )
 
-from agents.sb3.vec_adapter import ShipVecEnv
 from ship_gym import DiscreteRudder
 
 IDS = sorted(ship_gym.ENVIRONMENTS)

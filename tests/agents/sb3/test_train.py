@@ -4,9 +4,9 @@ import zipfile
 
 import numpy as np
 import pytest
+from ship_gym_agents.sb3.config import config_for, load_config, load_hyperparameters, run_config
+from ship_gym_agents.sb3.policy import load_policy, save_policy
 
-from agents.sb3.config import config_for, load_config, load_hyperparameters, run_config
-from agents.sb3.policy import load_policy, save_policy
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.evaluation.rollout import rollout, tuning_seeds
@@ -17,9 +17,8 @@ from ship_gym.tasks.bridge import N_BRIDGE
 pytest.importorskip("stable_baselines3")
 
 import torch
-
-from agents.sb3.algorithms import explore
-from agents.sb3.train import VALIDATION_SEED, _Run, train, validate
+from ship_gym_agents.sb3.algorithms import explore
+from ship_gym_agents.sb3.train import VALIDATION_SEED, _Run, train, validate
 
 TINY = {
     "training": {"envs": 8, "validations": 2, "episode": 20.0, "threads": 1},
@@ -282,16 +281,16 @@ def test_policy_refuses_another_control(made):
 
 
 def test_missing_extra_is_one_clear_line(monkeypatch):
-    for name in [m for m in sys.modules if m.startswith("agents.sb3.")]:
+    for name in [m for m in sys.modules if m.startswith("ship_gym_agents.sb3.")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "torch", None)
     with pytest.raises(ImportError, match=r'pip install "ship-gym\[rl\]"'):
-        __import__("agents.sb3.train")
+        __import__("ship_gym_agents.sb3.train")
 
 
 @pytest.mark.slow
 def test_half_a_minute_of_training_beats_doing_nothing(tmp_path):
-    """Under the slow disturbance; in waves it takes a minute, see agents/pretrained."""
+    """Under the slow disturbance; in waves it takes a minute, see ship_gym_agents/pretrained."""
     config = run_config(scenario="heading_slow_disturbance")
     card = train(config, tmp_path / "run", steps=600_000)
     policy, seeds = load_policy(tmp_path / "run"), range(VALIDATION_SEED, VALIDATION_SEED + 16)

@@ -10,12 +10,11 @@ from ship_gym.envs.env import ShipEnv
 
 pytest.importorskip("stable_baselines3")
 
+from ship_gym_agents.sb3.vec_adapter import ShipVecEnv
 from stable_baselines3 import PPO
 from stable_baselines3.common.env_checker import check_env
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor, VecNormalize
-
-from agents.sb3.vec_adapter import ShipVecEnv
 
 N = 3
 # a narrow limit, so that episodes end both ways

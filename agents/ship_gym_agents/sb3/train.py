@@ -1,6 +1,6 @@
 """train: a policy from a scenario, with everything needed to repeat, resume and judge it.
 
-A run folder holds ``policy.zip`` (the best policy so far, see `agents.sb3.policy`), ``card.json``
+A run folder holds ``policy.zip`` (the best policy so far, see module ``policy``), ``card.json``
 (resolved config, versions, samples, validations) and ``checkpoint/`` (to resume). All three are
 written at every validation, each whole or not at all.
 """
@@ -16,34 +16,34 @@ from typing import Any
 
 import numpy as np
 
-from agents.sb3.budget import Budget
-from agents.sb3.config import CARD_FILE, RunConfig, plain, read_card
-from agents.sb3.policy import (
+from ship_gym.config import ConfigError
+from ship_gym.evaluation.metrics import metrics
+from ship_gym.evaluation.rollout import rollout
+from ship_gym.provenance import atomic_path, provenance
+from ship_gym.scenarios.scenario import Scenario
+from ship_gym_agents.sb3.budget import Budget
+from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, plain, read_card
+from ship_gym_agents.sb3.policy import (
     POLICY_FILE,
     SB3Policy,
     load_policy,
     observation_names,
     save_policy,
 )
-from ship_gym.config import ConfigError
-from ship_gym.evaluation.metrics import metrics
-from ship_gym.evaluation.rollout import rollout
-from ship_gym.provenance import atomic_path, provenance
-from ship_gym.scenarios.scenario import Scenario
 
 try:
     import torch
     from stable_baselines3.common.vec_env import VecNormalize
 
-    from agents.sb3.algorithms import (
+    from ship_gym_agents.sb3.algorithms import (
         explore,
         export,
         load_checkpoint,
         make_model,
         save_checkpoint,
     )
-    from agents.sb3.callbacks import Supervisor
-    from agents.sb3.vec_adapter import ShipVecEnv
+    from ship_gym_agents.sb3.callbacks import Supervisor
+    from ship_gym_agents.sb3.vec_adapter import ShipVecEnv
 except ModuleNotFoundError as error:
     if error.name not in ("torch", "stable_baselines3"):
         raise

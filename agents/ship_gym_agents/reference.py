@@ -1,6 +1,6 @@
 """Reference headings: a change of the order is followed by a turn that the ship can make.
 
-Everything is non-dimensional by L and U0, see ``agents.wave_filter``.
+Everything is non-dimensional by L and U0, see ``ship_gym_agents.wave_filter``.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from agents.wave_filter import LinearShip, check_gains
 from ship_gym.config import ConfigError
 from ship_gym.conventions import wrap_angle
+from ship_gym_agents.wave_filter import LinearShip, check_gains
 
 # Sensor noise (gyro 0.1 deg, five standard deviations of a difference) and the curvature of a turn
 # stay below it; an order changed by less is taken for noise.

@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from agents.sb3.policy import ACTIVATIONS
 from ship_gym.config import ConfigError, build, check_known, check_number, merged, read_toml
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
+from ship_gym_agents.sb3.policy import ACTIVATIONS
 
 CARD_FILE = "card.json"
 _FOLDER = Path(__file__).with_name("hyperparameters")
@@ -187,7 +187,7 @@ class RunConfig:
     Attributes
     ----------
     algorithm : str
-        Key of ``agents.sb3.config.OPTIONS``.
+        Key of ``ship_gym_agents.sb3.config.OPTIONS``.
     scenario : Scenario
         With ship and control.
     seed : int

@@ -1,7 +1,7 @@
 """PID heading autopilot with non-dimensional gains, which carry over to a scaled ship.
 
-Order of work in `PID.act`: did the order change (``agents.reference``), what of the measured motion
-counts (``agents.wave_filter``), which heading to be at now (``agents.reference``), rudder angle.
+Order of work in `PID.act`: did the order change (module ``reference``), what of the measured motion
+counts (``wave_filter``), which heading to be at now (``reference``), rudder angle.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from agents.reference import Guidance, OrderWatch, Reference, ReferenceModel
-from agents.wave_filter import LowPass, Observer, check_gains
 from ship_gym.config import ConfigError, build, read_toml
 from ship_gym.conventions import wrap_angle
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
+from ship_gym_agents.reference import Guidance, OrderWatch, Reference, ReferenceModel
+from ship_gym_agents.wave_filter import LowPass, Observer, check_gains
 
 GAINS = Path(__file__).parent / "gains"
 # columns of the observation, ship_gym.tasks.bridge.OBSERVATIONS

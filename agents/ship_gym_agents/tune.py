@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 from scipy.optimize import differential_evolution
 
-from agents.pid import PID, Gains, GainsFile, gains_path, load_gains
-from agents.wave_filter import LinearShip, LowPass, Observer, identify
 from ship_gym.config import ConfigError, check_number
 from ship_gym.conventions import DELTA, PSI, wrap_angle
 from ship_gym.evaluation.metrics import control_cost, metrics
 from ship_gym.evaluation.rollout import Rollout, begin, rollout, tuning_seeds
 from ship_gym.provenance import atomic_path, versions
 from ship_gym.ships import load_ship
+from ship_gym_agents.pid import PID, Gains, GainsFile, gains_path, load_gains
+from ship_gym_agents.wave_filter import LinearShip, LowPass, Observer, identify
 
 _FEEDBACK = ("K_p", "K_d", "K_v")
 _OBSERVER = (*_FEEDBACK, "K_b", "observer.sway_noise", "observer.yaw_noise", "observer.bias_noise")
@@ -336,7 +336,7 @@ def write_gains(found: GainsFile, path: str | Path | None = None) -> Path:
     """Write a file of gains, by default where the PID looks for those of the ship."""
     path = gains_path(found.ship) if path is None else Path(path)
     data = _given(dataclasses.asdict(found))
-    lines = ["# PID gains, see agents/pid.py; written by scripts/tune.py", *_toml(data)]
+    lines = ["# PID gains, see ship_gym_agents/pid.py; written by scripts/tune.py", *_toml(data)]
     with atomic_path(path) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path

@@ -10,10 +10,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from agents.los import ILOS, LOSPID
-from agents.pid import PID, load_gains
 from ship_gym.config import ConfigError, check_known
 from ship_gym.evaluation.controller import ConstantController, Controller
+from ship_gym_agents.los import ILOS, LOSPID
+from ship_gym_agents.pid import PID, load_gains
 
 CONTROLLERS: dict[str, Callable[[], Controller]] = {
     "constant": ConstantController,
@@ -48,8 +48,8 @@ def make_controller(name_or_path: str | Path) -> Controller:
         return PID(load_gains(path).gains, name=path.stem)
     shipped = name in pretrained()
     if shipped or (name not in CONTROLLERS and path.exists()):
-        # Late: `import agents` is light, and an autopilot needs nothing of agents.sb3.
-        from agents.sb3.policy import load_policy
+        # Late: the import of this package is light, and an autopilot needs nothing of sb3.
+        from ship_gym_agents.sb3.policy import load_policy
 
         policy = load_policy(PRETRAINED / f"{name}.zip" if shipped else path)
         policy.name = name if shipped else policy.name

@@ -17,10 +17,10 @@ from stable_baselines3.common.noise import NormalActionNoise, VectorizedActionNo
 from stable_baselines3.common.save_util import load_from_zip_file, save_to_zip_file
 from stable_baselines3.common.vec_env import VecNormalize
 
-from agents.sb3.config import Hyperparameters
-from agents.sb3.policy import Actor, Normaliser, SB3Policy
 from ship_gym.config import ConfigError
 from ship_gym.provenance import atomic_path
+from ship_gym_agents.sb3.config import Hyperparameters
+from ship_gym_agents.sb3.policy import Actor, Normaliser, SB3Policy
 
 _TORCH_ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU}
 _STATE = "state.json"

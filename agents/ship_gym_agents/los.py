@@ -1,4 +1,4 @@
-"""Guidance to a track: which heading, on top of the heading autopilot of ``agents.pid``.
+"""Guidance to a track: which heading, on top of the heading autopilot of ``ship_gym_agents.pid``.
 
 Lengths are in L and times in L / U0. Angles are taken from the bearing of the active leg, the
 cross-track error is positive to starboard of it.
@@ -11,11 +11,11 @@ import math
 
 import numpy as np
 
-from agents.pid import PID, Gains
-from agents.reference import Reference
 from ship_gym.config import ConfigError
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
+from ship_gym_agents.pid import PID, Gains
+from ship_gym_agents.reference import Reference
 
 # columns of the observation of a track behind the nine of a heading
 _CROSS, _TO_GO, _NEXT_TURN = 9, 11, 12

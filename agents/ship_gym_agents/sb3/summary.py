@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from agents.sb3.config import RunConfig
+from ship_gym_agents.sb3.config import RunConfig
 
 
 def plan(
