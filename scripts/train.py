@@ -22,9 +22,7 @@ def main() -> None:
     args.add_argument("--control", help="rudder (default) or rudder+rpm")
     args.add_argument("--privileged", action="store_true", default=None, help="see sea and forces")
     args.add_argument("--algorithm", help="ppo (default), sac or td3")
-    args.add_argument(
-        "--hyperparameters", help="TOML file (default: the package's own)"
-    )
+    args.add_argument("--hyperparameters", help="TOML file (default: the package's own)")
     args.add_argument("--envs", type=int, help="environments (default: the hyperparameters')")
     args.add_argument("--seed", type=int, help="of network, exploration, episodes (default 0)")
     args.add_argument("--minutes", type=float, help="wall-clock time of the run (default 2)")

@@ -26,9 +26,7 @@ def main() -> None:
         text = f"default {default}"
         args.add_argument(f"--{name}", type=type(default), default=default, help=text)
     args.add_argument("--resume", action="store_true", help="leave ships with such gains alone")
-    args.add_argument(
-        "--out", help="file to write (default: gains/pid_<ship>.toml of the package)"
-    )
+    args.add_argument("--out", help="file to write (default: gains/pid_<ship>.toml of the package)")
     args = args.parse_args()
     if args.out and args.ship == "all":
         raise ConfigError("--out is one file: name the ship too")
