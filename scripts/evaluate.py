@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from _cli import parser, progress, run, show
-from ship_gym_agents import default_controllers, make_controller, trained_for
+from ship_gym_agents import make_controller, trained_for
 
 from ship_gym.evaluation import compare, evaluation_seeds, rollout, table
 from ship_gym.evaluation.rollout import begin
@@ -44,7 +44,7 @@ def sail(policy: str | None, others: list[str] | None, seeds: list[int], **env) 
     env = {**known, **{k: v for k, v in env.items() if v is not None}}
     start = begin(seeds[:1], **env)
     if others is None:
-        others = default_controllers(start.scenario.on_track)
+        others = start.task.controllers
     controllers += [make_controller(name) for name in others]
     for controller in controllers:
         controller.reset(1, start.ship, start.scenario)

@@ -7,7 +7,7 @@ from pathlib import Path
 from _cli import need, parser, progress, run, show
 from ship_gym_agents import make_controller, trained_for
 
-from ship_gym.evaluation import METRICS, metrics, rollout
+from ship_gym.evaluation import metrics, metrics_of, rollout
 from ship_gym.evaluation.rollout import EVALUATION_SEED
 from ship_gym.evaluation.statistics import aligned
 from ship_gym.recording import Trajectory
@@ -45,7 +45,10 @@ def main() -> None:
     if found != metrics(sailed):
         raise OSError(f"{args.out}: the metrics of the file are not those of the episode")
     rows = [["metric", "unit", controller.name]]
-    rows += [[name, METRICS[name].unit, f"{value:.5g}"] for name, value in found.items()]
+    rows += [
+        [name, metrics_of(sailed.meta["task"])[name].unit, f"{value:.5g}"]
+        for name, value in found.items()
+    ]
     text = f"seed {args.seed}, metrics computed from {args.out}\n{aligned(rows)}\n\n"
     text += f"wrote {args.out}\nnext: rerun {args.out}"
     data = {"controller": controller.name, "seed": args.seed, "metrics": found}

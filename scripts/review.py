@@ -7,7 +7,7 @@ from pathlib import Path
 from _cli import parser, progress, run, show
 
 from ship_gym.config import ConfigError
-from ship_gym.evaluation import METRICS, metrics
+from ship_gym.evaluation import all_metrics, metrics
 from ship_gym.evaluation.statistics import aligned
 from ship_gym.recording import Trajectory
 
@@ -42,7 +42,7 @@ def main() -> None:
     rows += [[k, "", *(str(meta[k]) for meta, _ in found.values())] for k in kept]
     rows.append(["ship", "", *(meta["ship"]["name"] for meta, _ in found.values())])
     form = repr if args.csv else "{:.5g}".format
-    for name, metric in METRICS.items():
+    for name, metric in all_metrics().items():
         cells = [form(v[name]) if name in v else "" for _, v in found.values()]
         if any(cells):
             rows.append([name, metric.unit, *cells])

@@ -8,22 +8,21 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from ship_gym.envs.registration import ENVIRONMENTS, register_all
+from ship_gym.envs.registration import ENVIRONMENTS, register_all, register_task
+from ship_gym.tasks import TASKS
+from ship_gym.tasks.base import class_name
 
 __version__ = "0.1.0"
 
 # public name -> module that defines it
 _PUBLIC = {
-    "CourseChanging": "ship_gym.envs.course_changing",
     "DiscreteRudder": "ship_gym.envs.discrete",
-    "HeadingKeeping": "ship_gym.envs.heading_keeping",
     "Sea": "ship_gym.sea.state",
     "Ship": "ship_gym.ships.particulars",
     "ShipEnv": "ship_gym.envs.env",
     "ShipSim": "ship_gym.simulation",
     "ShipVectorEnv": "ship_gym.envs.vector_env",
     "Track": "ship_gym.tracks.track",
-    "TrackFollowing": "ship_gym.envs.track_following",
     "Trajectory": "ship_gym.recording.trajectory",
     "available_scenarios": "ship_gym.scenarios.scenario",
     "available_seas": "ship_gym.sea.state",
@@ -35,9 +34,10 @@ _PUBLIC = {
     "load_track": "ship_gym.tracks.files",
     "load_wave_table": "ship_gym.sea.wave_response",
     "scaled": "ship_gym.ships.scaling",
+    **{class_name(task): "ship_gym.envs.classes" for task in TASKS},
 }
 
-__all__ = [*sorted(_PUBLIC), "ENVIRONMENTS", "__version__"]
+__all__ = [*sorted(_PUBLIC), "ENVIRONMENTS", "register_task", "__version__"]
 
 register_all()
 

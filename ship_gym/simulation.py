@@ -168,6 +168,11 @@ class ShipSim:
             for row, i in enumerate(which.tolist()):
                 phases = uniform[row, -water.n_waves :]
                 set_waves(water.components[i], waves_to[row], phases, water.waves[i])
+        self.see_waves(which)
+
+    def see_waves(self, which: np.ndarray) -> None:
+        """Refresh ``self.waves`` of some ships, shape (m,), from their states and times."""
+        if self.water.n_waves:
             see_waves(which, self.time, self.state, *self._field, self.waves)
 
     def set_water(self, water: Waters) -> None:
@@ -243,8 +248,14 @@ class ShipSim:
         SimulationDiverged
             A state became non-finite.
         """
+        if self.sail() < self.n:
+            self._report_divergence()
+        return self.state
+
+    def sail(self) -> int:
+        """As `advance`, but a state that is not finite is no error; returns how many are finite."""
         threads = self.parallel and threads_work()
-        alive = (step_batch_parallel if threads else step_batch)(
+        return (step_batch_parallel if threads else step_batch)(
             self.state,
             self.commands,
             self.time,
@@ -258,9 +269,6 @@ class ShipSim:
             self.flow,
             self.waves,
         )
-        if alive < self.n:
-            self._report_divergence()
-        return self.state
 
     def _report_divergence(self) -> None:
         i = int(np.flatnonzero(~np.isfinite(self.state).all(axis=1))[0])

@@ -59,11 +59,6 @@ def make_controller(name_or_path: str | Path) -> Controller:
     return CONTROLLERS[check_known("controller", name, [*CONTROLLERS, *pretrained()])]()
 
 
-def default_controllers(on_track: bool) -> list[str]:
-    """Autopilots that a policy is compared with, best first, and what has no autopilot."""
-    return ["ilos", "los_pid"] if on_track else ["pid", "constant"]
-
-
 def trained_for(controller: Controller) -> dict[str, Any]:
     """Scenario, ship, control and privileges of a policy's training; empty for other controllers.
 

@@ -11,14 +11,12 @@ import math
 
 import numpy as np
 
-from ship_gym.config import ConfigError
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
+from ship_gym.tasks.columns import View
 from ship_gym_agents.pid import PID, Gains
 from ship_gym_agents.reference import Reference
 
-# columns of the observation of a track behind the nine of a heading
-_CROSS, _TO_GO, _NEXT_TURN = 9, 11, 12
 # For gains without a reference model: saves kcs some 8 % of the rudder's travel. Radius 2.5 L.
 _TURNS = Reference(frequency=3.0, rate_limit=0.4)
 _INSIDE = 0.8  # how near to the way-point the turn passes, over the circle of acceptance
@@ -41,6 +39,8 @@ class LOSPID(PID):
     name : str
     """
 
+    needs = (*PID.needs, "cross_track", "to_go", "next_turn")
+
     def __init__(self, gains: Gains | None = None, name: str = "los_pid"):
         super().__init__(gains, name)
 
@@ -53,19 +53,14 @@ class LOSPID(PID):
         gains = super()._gains_for(ship)
         return dataclasses.replace(gains, reference=gains.reference or _TURNS)
 
-    def _wanted(self, seen: np.ndarray, jump: np.ndarray) -> np.ndarray:
+    def _wanted(self, seen: View, jump: np.ndarray) -> np.ndarray:
         turn, cross = self._leg(seen)
         return turn - np.arctan(cross / self._g.guidance.look_ahead)
 
-    def _leg(self, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _leg(self, seen: View) -> tuple[np.ndarray, np.ndarray]:
         """Bearing [rad, from the active leg] of and error across the leg to reach, (count,)."""
-        if seen.shape[1] <= _NEXT_TURN:
-            raise ConfigError(
-                f"{self.name} steers along tracks: the observation has {seen.shape[1]} columns, "
-                "that of a track has 15; for a heading take controller 'pid'"
-            )
-        cross, to_go = seen[:, _CROSS], seen[:, _TO_GO]
-        turn = seen[:, _NEXT_TURN] * math.pi
+        cross, to_go = seen.cross_track, seen.to_go
+        turn = seen.next_turn * math.pi
         half = 0.5 * np.maximum(np.abs(turn), 1e-6)
         # A circle of radius R passes the way-point at R (1 / cos(half) - 1).
         reach = np.minimum(
@@ -95,7 +90,7 @@ class ILOS(LOSPID):
         super().reset(count, ship, scenario)
         self._drift = np.zeros(count)
 
-    def _wanted(self, seen: np.ndarray, jump: np.ndarray) -> np.ndarray:
+    def _wanted(self, seen: View, jump: np.ndarray) -> np.ndarray:
         p, (turn, cross) = self._g.guidance, self._leg(seen)
         self._drift = self._drift * np.cos(jump)
         # While it turns to the next leg, the error across that one says nothing of the drift.

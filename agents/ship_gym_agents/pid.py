@@ -18,12 +18,11 @@ from ship_gym.conventions import wrap_angle
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
+from ship_gym.tasks.columns import View, action_columns, observation_columns
 from ship_gym_agents.reference import Guidance, OrderWatch, Reference, ReferenceModel
 from ship_gym_agents.wave_filter import LowPass, Observer, check_gains
 
 GAINS = Path(__file__).parent / "gains"
-# columns of the observation, ship_gym.tasks.bridge.OBSERVATIONS
-_SIN, _COS, _RATE, _SWAY, _RUDDER = 0, 1, 2, 4, 5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -127,11 +126,21 @@ class PID:
     name : str
     """
 
+    needs = ("sin_error", "cos_error", "yaw_rate", "sway", "rudder")  # of the observation
+
     def __init__(self, gains: Gains | None = None, name: str = "pid"):
         self.gains, self.name = gains, name
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
-        """Clear the integrals; `count` episodes of `scenario` with `ship` begin together."""
+        """Clear the integrals; `count` episodes of `scenario` with `ship` begin together.
+
+        Raises
+        ------
+        ConfigError
+            The observation of the scenario lacks what the controller needs.
+        """
+        self._columns = observation_columns(scenario).require(self.needs, f"controller {self.name}")
+        self._rudder_column = action_columns(scenario)["rudder"]
         self._g = g = self._gains_for(ship)
         self._limit = ship.gear.delta_max
         # control interval over L / U0
@@ -149,24 +158,24 @@ class PID:
         self._action = np.array(steady.act(np.empty((count, 0))))
 
     def act(self, observations: np.ndarray) -> np.ndarray:
-        """Actions in [-1, 1], shape (count, n_actions), for observations of shape (count, >= 9)."""
-        seen = np.asarray(observations, dtype=np.float64)
-        measured = np.arctan2(seen[:, _SIN], seen[:, _COS])
-        jump = self._watch(measured, seen[:, _RATE])
-        delta = seen[:, _RUDDER] * self._limit
-        motion = self._filter(measured, seen[:, _RATE], seen[:, _SWAY], delta, jump)
+        """Actions in [-1, 1], shape (count, n_actions), for observations of the scenario."""
+        seen = self._columns.view(observations)
+        measured = np.arctan2(seen.sin_error, seen.cos_error)
+        jump = self._watch(measured, seen.yaw_rate)
+        delta = seen.rudder * self._limit
+        motion = self._filter(measured, seen.yaw_rate, seen.sway, delta, jump)
         wanted = self._wanted(seen, jump), 0.0, 0.0, 0.0
         if self._reference is not None:
             wanted = self._reference(wanted[0], motion[0], jump)
         delta = self._rudder(motion, wanted)
         action = self._action.copy()
-        action[:, 0] = np.clip(delta / self._limit, -1.0, 1.0)
+        action[:, self._rudder_column] = np.clip(delta / self._limit, -1.0, 1.0)
         return action
 
     def _gains_for(self, ship: Ship) -> Gains:
         return gains_of(ship) if self.gains is None else self.gains
 
-    def _wanted(self, seen: np.ndarray, jump: np.ndarray) -> np.ndarray:
+    def _wanted(self, seen: View, jump: np.ndarray) -> np.ndarray:
         """Wanted heading less ordered heading [rad], shape (count,)."""
         return np.zeros(len(seen))
 

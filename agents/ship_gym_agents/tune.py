@@ -96,7 +96,7 @@ def episode_costs(sailed: Rollout, lam: float = LAMBDA) -> np.ndarray:
     states = sailed.histories["states"][1:]
     alive = np.arange(len(states))[:, None] < sailed.lengths
     limit = math.radians(sailed.scenario.limits.heading_error_deg)
-    psi_e = wrap_angle(states[:, :, PSI] - sailed.histories["orders"][:-1])
+    psi_e = wrap_angle(states[:, :, PSI] - sailed.histories["psi_ordered"][:-1])
     psi_e = np.where(alive, psi_e, limit)
     delta = np.where(alive, states[:, :, DELTA], sailed.ship.gear.delta_max)
     return control_cost(psi_e, delta, lam)

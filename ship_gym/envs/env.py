@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import dataclasses
+import os
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known
-from ship_gym.envs.episodes import N_ACTIONS, EpisodeBatch
+from ship_gym.config import ConfigError, check_known, check_number
+from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.envs.start_options import start_options
 from ship_gym.envs.view import RENDER_MODES, Screen
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks import observations_of
+from ship_gym.tasks.columns import ACTIONS
 
 _ALL = np.array([0])
-Given = str | Ship | None
+Given = str | os.PathLike | Ship | None
 
 
 def resolved_scenario(
@@ -32,6 +37,7 @@ def resolved_scenario(
     if overrides is not None and not isinstance(overrides, Mapping):
         raise ConfigError(f"overrides = {overrides!r}: must be a mapping of keys to values")
     changes = dict(overrides or {})
+    ship = os.fspath(ship) if isinstance(ship, os.PathLike) else ship
     given = {"ship": ship, "surrogate": surrogate, "control": control, "privileged": privileged}
     if isinstance(ship, Ship):
         if surrogate is not None:
@@ -41,21 +47,19 @@ def resolved_scenario(
             )
         given |= {"ship": ship.name, "surrogate": ship.surrogate_name}
     changes.update({key: value for key, value in given.items() if value is not None})
-    if isinstance(scenario, Scenario):
-        scenario = scenario.to_dict()
     return load_scenario(scenario, changes), ship if isinstance(ship, Ship) else None
 
 
 def resolved_fleet(
     scenario: str | Mapping[str, Any] | Scenario,
-    ships: Given | Sequence[str | Ship],
+    ships: Given | Sequence[str | os.PathLike | Ship],
     control: str | None,
     surrogate: str | None,
     privileged: bool | None,
     overrides: Mapping[str, Any] | None,
 ) -> tuple[Scenario, Ship | list[Ship] | None]:
     """As `resolved_scenario`, for one ship or several; the scenario names the first of several."""
-    if ships is None or isinstance(ships, str | Ship):
+    if ships is None or isinstance(ships, str | os.PathLike | Ship):
         return resolved_scenario(scenario, ships, control, surrogate, privileged, overrides)
     if not isinstance(ships, Sequence):
         raise ConfigError(f"ship = {ships!r}: must be a name, a Ship or a list of them")
@@ -81,19 +85,57 @@ def check_render_mode(render_mode: str | None) -> None:
 
 def action_space(scenario: Scenario) -> gym.spaces.Box:
     """Box [-1, 1] of shape (1,) or (2,), float32."""
-    return gym.spaces.Box(-1.0, 1.0, (N_ACTIONS[scenario.control],), np.float32)
+    return gym.spaces.Box(-1.0, 1.0, (len(ACTIONS[scenario.control]),), np.float32)
 
 
 def observation_space(scenario: Scenario) -> gym.spaces.Box:
     """Box of float32 with the documented bounds."""
     rows = observations_of(scenario.task, scenario.privileged)
-    low = np.array([row[2] for row in rows], dtype=np.float32)
-    high = np.array([row[3] for row in rows], dtype=np.float32)
+    low = np.array([row.low for row in rows], dtype=np.float32)
+    high = np.array([row.high for row in rows], dtype=np.float32)
     return gym.spaces.Box(low, high, dtype=np.float32)
+
+
+def with_steps(scenario: Scenario, steps: int | None, overrides: Mapping | None) -> Scenario:
+    """Scenario that is truncated after a number of control intervals; None: as it is.
+
+    Raises
+    ------
+    ConfigError
+        Not a positive whole number, or a duration that was given too and is another one.
+    """
+    if steps is None:
+        return scenario
+    if check_number("max_episode_steps", steps, 1, 10**9) != int(steps):
+        raise ConfigError(f"max_episode_steps = {steps}: must be a whole number")
+    if "duration" in (overrides or {}) and scenario.steps != steps:
+        raise ConfigError(
+            f"max_episode_steps = {steps} and overrides = {{'duration': {scenario.duration:g}}}, "
+            f"which is {scenario.steps} steps: give one of them"
+        )
+    return dataclasses.replace(scenario, duration=int(steps) * scenario.control_interval)
+
+
+def _steps_of_make() -> int | None:
+    """The ``max_episode_steps`` of the ``gym.make`` that is making this environment, if any.
+
+    `gym.make` gives it to a TimeLimit wrapper only, which can shorten an episode but not lengthen
+    it; so we look for it where it stands. None where there is none.
+    """
+    frame = sys._getframe(1)
+    while frame is not None:
+        if frame.f_code is getattr(gym.make, "__code__", None):
+            steps = frame.f_locals.get("max_episode_steps")
+            return None if steps == -1 else steps
+        frame = frame.f_back
+    return None
 
 
 class ShipEnv(gym.Env):
     """A ship in a scenario: any task, any ship; the ids are its subclasses.
+
+    With ``gym.make(..., max_episode_steps=k)`` an episode is k control intervals long, instead of
+    what the scenario's duration says.
 
     Parameters
     ----------
@@ -132,9 +174,10 @@ class ShipEnv(gym.Env):
         check_render_mode(render_mode)
         self.render_mode = render_mode
         scenario = self.scenario_name if scenario is None else scenario
-        self.scenario, given = resolved_scenario(
+        resolved, given = resolved_scenario(
             scenario, ship, control, surrogate, privileged, overrides
         )
+        self.scenario = with_steps(resolved, _steps_of_make(), overrides)
         self.episodes = EpisodeBatch(1, self.scenario, given, parallel=False)
         self.observation_space = observation_space(self.scenario)
         self.action_space = action_space(self.scenario)
@@ -146,9 +189,19 @@ class ShipEnv(gym.Env):
         return self.episodes.ship
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None):
-        """Begin an episode; all its randomness comes from one draw of ``np_random``."""
+        """Begin an episode; all its randomness comes from one draw of ``np_random``.
+
+        Parameters
+        ----------
+        seed : int, optional
+        options : dict, optional
+            What is not drawn: ``heading_error_deg``, ``speed`` [m/s], ``position`` (north, east
+            [m]), ``sea_seed``; see ``envs.start_options``.
+        """
+        given = start_options(options, 1)
         super().reset(seed=seed)
-        self.episodes.start(_ALL, self.np_random.random((1, self.episodes.n_draws)))
+        draws = self.np_random.random((1, self.episodes.n_draws))
+        self.episodes.start(_ALL, draws, given)
         if self._screen is not None:
             self._screen.begin()
         return self.episodes.observations[0].copy(), self.episodes.info_of(0)
@@ -156,6 +209,11 @@ class ShipEnv(gym.Env):
     def step(self, action):
         """Sail one control interval under one action."""
         episodes = self.episodes
+        if np.shape(action) != self.action_space.shape:
+            raise ConfigError(
+                f"action = {action!r} has shape {np.shape(action)}, allowed is "
+                f"{self.action_space.shape} for control = {self.scenario.control!r}"
+            )
         episodes.step([action])
         if self._screen is not None:
             self._screen.follow()

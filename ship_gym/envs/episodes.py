@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from gymnasium.utils import seeding
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import (
@@ -20,7 +21,6 @@ from ship_gym.conventions import (
     X,
     Y,
 )
-from ship_gym.envs.plans import plan_maker
 from ship_gym.envs.randomisation import ShipDraws, check_has_std
 from ship_gym.envs.weather import Weathers
 from ship_gym.physics.dynamics import over_ground
@@ -29,9 +29,10 @@ from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim, self_propulsion
-from ship_gym.tasks import TASKS, bridge, observations_of, privileged, track
+from ship_gym.tasks import TASKS, bridge, observations_of, privileged
+from ship_gym.tasks.columns import ACTIONS
+from ship_gym.tasks.rewards import COSTS
 
-N_ACTIONS = {"rudder": 1, "rudder+rpm": 2}
 _KEY_BITS = 2.0**32
 
 
@@ -56,16 +57,19 @@ class EpisodeBatch:
     rewards, terminated, truncated : numpy.ndarray
         Shape (n,), of the last interval.
     outcomes : numpy.ndarray
-        Why an episode terminated, index of ``tasks.bridge.OUTCOMES``, shape (n,).
+        Why an episode terminated, index of ``task.all_outcomes``, shape (n,).
+    reward_terms : tuple of str
+        Names of the terms.
     terms : numpy.ndarray
-        Reward terms, shape (n, 5), order of ``task.reward_terms``.
+        Reward terms, shape (n, len(reward_terms)).
     errors : numpy.ndarray
-        Heading error [rad], or cross-track error from the active leg [m], at the end of the
-        interval, shape (n,).
+        Error at the end of the interval in the unit of the task, such as the heading error [rad]
+        or the cross-track error from the active leg [m], shape (n,).
     power, energy, cost, success : numpy.ndarray
         As in `info`, shape (n,).
     plans : numpy.ndarray
-        Ordered headings with their times, or way-points north and east [m], shape (n, rows, 2).
+        What the task orders, such as headings with their times, or way-points north and east [m];
+        shape (n, *shape of the task's plan).
     n_draws : int
         Uniform numbers that the start of one episode needs.
     """
@@ -90,7 +94,7 @@ class EpisodeBatch:
         self.sim = ShipSim(self.ships, n, parallel=parallel)
         self._weathers = Weathers(scenario.sea, self.ships)
         self.sim.set_water(self._weathers.water)
-        self._plan = plan_maker(scenario, self.ships)
+        self._plan = self.task.plan(scenario, self.ships)
         self._ship_draws = ShipDraws(scenario.randomisation, self.sim.records)
         parts = (
             2,  # ordered heading, heading error
@@ -102,11 +106,12 @@ class EpisodeBatch:
         )
         self._parts = np.cumsum(parts)[:-1].tolist()
         self.n_draws = sum(parts)
-        self.n_actions = N_ACTIONS[scenario.control]
+        self.n_actions = len(ACTIONS[scenario.control])
         self._unit = np.array([one.time_unit for one in self.ships])
         self.dt = scenario.control_interval / self._unit
         self.sim.set_interval(self.dt)
-        self.tasks = np.zeros(n, bridge.TASK_DTYPE)
+        self.reward_terms = tuple(term.name for term in (*self.task.terms, *COSTS))
+        self.tasks = np.zeros(n, bridge.record_dtype(self.task))
         self._fill_tasks()
         self._make_arrays()
         # the first interval that begins at that time or later, whatever the division rounds to
@@ -130,12 +135,12 @@ class EpisodeBatch:
 
     def _make_arrays(self) -> None:
         n, scenario = self.n, self.scenario
-        self._rudder_before, self._n_before = np.zeros(n), np.zeros(n)
+        self._before = np.zeros_like(self.sim.state)  # states at the start of the interval
         self._begun = False
         columns = len(observations_of(scenario.task, scenario.privileged))
         self.observations = np.zeros((n, columns), dtype=np.float32)
-        self.plans = np.zeros((n, self._plan.rows, 2))
-        self.terms = np.zeros((n, bridge.N_TERMS))
+        self.plans = np.zeros((n, *self._plan.shape))
+        self.terms = np.zeros((n, len(self.reward_terms)))
         self.rewards = np.zeros(n)
         self.terminated = np.zeros(n, dtype=np.bool_)
         self.truncated = np.zeros(n, dtype=np.bool_)
@@ -145,8 +150,12 @@ class EpisodeBatch:
         self.energy, self.cost = np.zeros(n), np.zeros(n)
         self.success = np.zeros(n, dtype=np.bool_)
         flags = (self.terminated, self.truncated, self.elapsed, self.outcomes)
-        self._verdict = (self.rewards, *flags, self.errors, scenario.steps)
-        self._ledger = (self.power, self.energy, self.cost, self.success)
+        self._verdict = bridge.Verdict(self.rewards, *flags, self.errors, scenario.steps)
+        self._ledger = bridge.Ledger(self.power, self.energy, self.cost, self.success)
+        outcomes = self.task.all_outcomes
+        self._failures = np.array([outcome.failed for outcome in outcomes])
+        self._aims = np.array([outcome.reached for outcome in outcomes])
+        self._diverged = np.zeros(n, dtype=np.bool_)
 
     def _fill_tasks(self) -> None:
         scenario, tasks, unit = self.scenario, self.tasks, self._unit
@@ -156,23 +165,24 @@ class EpisodeBatch:
         tasks["n_order"] = [orders[id(one)] for one in self.ships]
         tasks["interval"] = scenario.control_interval
         tasks["rudder_stroke"] = [one.gear.rate for one in self.ships] * self.dt
-        tasks["heading_limit"] = math.radians(scenario.limits.heading_error_deg)
-        tasks["cross_limit"] = scenario.limits.cross_track * tasks["L"]
-        tasks["acceptance"] = scenario.track.acceptance * tasks["L"]
-        tasks["look_ahead"] = scenario.track.look_ahead * tasks["L"]
-        tasks["error"] = getattr(scenario.reward, scenario.error_term)
-        for name in bridge.COST_TERMS:
+        for name in self.reward_terms:
             tasks[name] = getattr(scenario.reward, name)
+        self.task.fill(scenario, tasks)
         sensors = scenario.sensors
         tasks["noisy"] = sensors.noise
         self._noise = {
             "heading_noise": np.full(self.n, math.radians(sensors.heading_deg)),
             "yaw_rate_noise": math.radians(sensors.yaw_rate_deg_s) * unit,
             "speed_noise": sensors.speed / unit,
-            "position_noise": sensors.position / (unit * unit) * scenario.on_track,
+            "position_noise": sensors.position / (unit * unit) * self.task.sees_position,
         }
 
-    def start(self, which: np.ndarray, draws: np.ndarray) -> None:
+    def start(
+        self,
+        which: np.ndarray,
+        draws: np.ndarray,
+        given: Mapping[str, np.ndarray] | None = None,
+    ) -> None:
         """Begin new episodes.
 
         Parameters
@@ -183,8 +193,12 @@ class EpisodeBatch:
             Uniform numbers in [0, 1), shape (m, n_draws): all randomness of the episodes. Ordered
             heading, heading error; current, then, where the scenario has them, waves and wind;
             plan; ship; key of the noise; phases of disturbance, gusts and waves.
+        given : mapping, optional
+            What is not drawn, arrays of m rows, see ``envs.start_options``.
         """
-        sim, tasks = self.sim, self.tasks
+        sim, tasks, given = self.sim, self.tasks, given or {}
+        if "sea_seed" in given:
+            draws = self._with_seas_of(draws, given["sea_seed"])
         begin, sea, plan, ship, key, phases = np.split(draws, self._parts, axis=1)
         self._ship_draws.draw(which, ship)
         tasks["noise_key"][which] = (key[:, 0] * _KEY_BITS).astype(np.int64)
@@ -194,13 +208,20 @@ class EpisodeBatch:
         sim.records["gear"]["rate"][which] = self._ship_draws.rudder_rate(which)
         order = math.pi * (2.0 * begin[:, 0] - 1.0)
         x, y = self._plan.make(which, plan, order, self.plans, tasks)
-        self.task.begin_batch(which, tasks, self.plans)
+        if self.task.begin is not None:
+            self.task.begin(which, tasks, self.plans)
         order = tasks["psi_ordered"][which]
         waves_to = self._weathers.draw(which, sea, order, tasks)
         error = math.radians(self.scenario.start.heading_error_deg) * (2.0 * begin[:, 1] - 1.0)
+        if "heading_error_deg" in given:
+            error = given["heading_error_deg"] * (math.pi / 180.0)
+        if "position" in given:
+            x, y = given["position"].T
         state = np.zeros((len(which), sim.state.shape[1]))
         state[:, X], state[:, Y], state[:, PSI] = x, y, order + error
         state[:, U], state[:, N] = tasks["speed"][which], tasks["n_order"][which]
+        if "speed" in given:
+            state[:, U] = given["speed"]
         over_ground(state, sim.seas[which])
         sim.state[which] = state
         sim.time[which] = 0.0
@@ -208,17 +229,26 @@ class EpisodeBatch:
         sim.commands[which, 0], sim.commands[which, 1] = 0.0, state[:, N]
         for values in (self.terms, *self._verdict[:-1], *self._ledger):
             values[which] = 0
-        if self.scenario.on_track:
-            track.off_leg_batch(which, sim.state, tasks, self.errors)
+        if self.task.error is not None:
+            self.task.error(which, sim.state, tasks, self.errors)
         self._begun = True
         sim.set_sea(which, phases, waves_to)
         self._fail()
         self.observe()
 
+    def _with_seas_of(self, draws: np.ndarray, seeds: np.ndarray) -> np.ndarray:
+        """Draws with the numbers of the sea as the episodes of other seeds have them."""
+        draws = draws.copy()
+        first, last, phases = self._parts[0], self._parts[1], self._parts[-1]
+        for row, seed in zip(draws, seeds.tolist(), strict=True):
+            other = seeding.np_random(seed)[0].random(self.n_draws)
+            row[first:last], row[phases:] = other[first:last], other[phases:]
+        return draws
+
     def observe(self) -> None:
         """Refresh the observations from the present states."""
         sim, seen = self.sim, self.observations
-        self.task.observe_batch(
+        self.task.observe(
             sim.state,
             sim.waves,
             sim.commands,
@@ -229,7 +259,7 @@ class EpisodeBatch:
             seen,
         )
         if self.scenario.privileged:
-            first = len(self.task.observations)
+            first = bridge.N_BRIDGE + len(self.task.observations)
             privileged.observe_batch(
                 sim.state, sim.forces, sim.records, sim.seas, self.tasks, first, seen
             )
@@ -246,24 +276,43 @@ class EpisodeBatch:
         """Sail one control interval under actions of shape (n, n_actions)."""
         if not self._begun:
             raise ConfigError("step before reset: call reset first")
-        sim, before = self.sim, self._rudder_before
+        sim, before = self.sim, self._before
         actions = self._shaped(actions)
         good = bridge.command_batch(
-            actions, sim.state, sim.records, self.tasks, sim.commands, before, self._n_before
+            actions, sim.state, sim.records, self.tasks, sim.commands, before
         )
         if good < self.n:
             row = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
             raise ConfigError(f"action {row} = {actions[row].tolist()}: must be finite, in [-1, 1]")
-        sim.advance()
-        self.task.judge_batch(
+        lost = self._sail()
+        self.task.judge(
             sim.state, before, sim.seas, self.tasks, self.plans, self.terms, self._verdict
         )
+        if lost:
+            bridge.end_diverged(self._diverged, self.tasks, self.terms, self._verdict)
         bridge.account_batch(
-            sim.state, self._n_before, sim.flow, sim.records, self.dt, self._verdict,
-            self.scenario.on_track, self._ledger,
+            sim.state, before, sim.flow, sim.records, self.dt, self._verdict,
+            self._failures, self._aims, self._ledger,
         )  # fmt: skip
         self._fail()
         self.observe()
+
+    def _sail(self) -> int:
+        """Sail the interval; returns how many ships diverged.
+
+        Where a state is not finite, or none of a ship (``bridge.FASTEST``), the ship gets back the
+        last one that was, its episode ends, and the others sail on.
+        """
+        sim = self.sim
+        sim.sail()
+        lost = bridge.impossible_batch(sim.state, sim.seas, self.tasks, self._diverged)
+        if lost:
+            which = np.flatnonzero(self._diverged)
+            sim.state[which] = self._before[which]
+            for loads in (sim.forces, sim.flow):
+                loads[which] = np.where(np.isfinite(loads[which]), loads[which], 0.0)
+            sim.see_waves(which)
+        return lost
 
     def _fail(self) -> None:
         """Let the failure of the scenario begin where it is time."""
@@ -287,7 +336,7 @@ class EpisodeBatch:
             ) from None
         if actions.shape != (self.n, self.n_actions):
             raise ConfigError(
-                f"action has shape {actions.shape}, allowed is {(self.n, self.n_actions)} "
+                f"actions have shape {actions.shape}, allowed is {(self.n, self.n_actions)} "
                 f"for control = {self.scenario.control!r}"
             )
         if actions.dtype.kind not in "fiu":
@@ -306,9 +355,8 @@ class EpisodeBatch:
             the start of the interval [W] and ``energy`` since the reset [J]; ``extrapolation``
             (distance outside the surrogate's trained box, 0 inside); the safety ``cost`` (1 where
             the rudder is saturated or a limit ended the episode); ``outcome``, index of
-            ``tasks.bridge.OUTCOMES``; ``is_success``, whether the episode has ended without
-            failing: a heading held to the end, the last way-point reached. On a track also ``leg``,
-            the active one, and ``cross_track``, the error from it [m], also after a reset; with
+            the task's outcomes; ``is_success``, whether the episode has ended as it should: its aim
+            reached where the task has one, else held to the end. What the task adds; with
             randomisation ``randomisation``, what was drawn by name; with a failure ``failed``,
             whether it has begun; in waves ``waves_extrapolation``, how far the ship is faster than
             its wave table goes, 0 inside, and ``waves_outside``, the share of the waves' energy at
@@ -339,7 +387,7 @@ class EpisodeBatch:
         """Groups of the info (names, present values) and its single values, as views."""
         sim, tasks = self.sim, self.tasks
         groups: dict[str, tuple[Sequence[str], np.ndarray]] = {
-            "reward_terms": (self.task.reward_terms, self.terms),
+            "reward_terms": (self.reward_terms, self.terms),
             "forces": (FORCE_COMPONENTS, sim.forces),
             "flow": (FLOW_NAMES, sim.flow),
         }
@@ -355,12 +403,16 @@ class EpisodeBatch:
             "outcome": self.outcomes,
             "is_success": self.success,
         }
-        if self.scenario.on_track:
-            columns |= {"cross_track": self.errors, "leg": tasks["active"]}
+        columns |= self.task.info(self)
         if sim.water.n_waves:
             columns["waves_extrapolation"] = sim.waves[:, WAVE_EXTRAPOLATION]
             columns["waves_outside"] = sim.seas["waves_outside"]
         return groups, columns
+
+    def set_duration(self, scenario: Scenario) -> None:
+        """Go on with a scenario that differs in its duration only."""
+        self.scenario = scenario
+        self._verdict = self._verdict._replace(steps=scenario.steps)
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the views: a copy would lose their tie to the arrays they look at."""

@@ -11,8 +11,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from ship_gym.config import ConfigError, check_known, check_number
-from ship_gym.envs.env import Given, action_space, observation_space, resolved_fleet
+from ship_gym.envs.env import Given, action_space, observation_space, resolved_fleet, with_steps
 from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.envs.start_options import start_options
 from ship_gym.envs.view import Screen
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
@@ -38,6 +39,8 @@ class ShipVectorEnv(VectorEnv):
         ``"Disabled"`` (reset with ``options={"reset_mask": mask}``).
     parallel : bool, optional
         Threads or not; None: from 2048 environments on. Same numbers.
+    max_episode_steps : int, optional
+        Control intervals of an episode, instead of what the scenario's duration says.
     """
 
     metadata = {  # noqa: RUF012  Gymnasium's own form
@@ -58,6 +61,7 @@ class ShipVectorEnv(VectorEnv):
         render_mode: str | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         parallel: bool | None = None,
+        max_episode_steps: int | None = None,
     ):
         super().__init__()
         if render_mode is not None:
@@ -70,7 +74,8 @@ class ShipVectorEnv(VectorEnv):
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
         options = (control, surrogate, privileged, overrides)
         scenario = "heading_keeping" if scenario is None else scenario
-        self.scenario, given = resolved_fleet(scenario, ship, *options)
+        resolved, given = resolved_fleet(scenario, ship, *options)
+        self.scenario = with_steps(resolved, max_episode_steps, overrides)
         self.episodes = EpisodeBatch(self.num_envs, self.scenario, given, parallel)
         self.single_observation_space = observation_space(self.scenario)
         self.single_action_space = action_space(self.scenario)
@@ -110,12 +115,16 @@ class ShipVectorEnv(VectorEnv):
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ):
-        """Begin new episodes, in all environments or those of ``options["reset_mask"]``."""
+        """Begin new episodes, in all environments or those of ``options["reset_mask"]``.
+
+        The other options are those of ``ShipEnv.reset``, one value for all or one for each.
+        """
+        given = start_options(options, self.num_envs, also=("reset_mask",))
         mask = self._reset_mask(options)
         for i, s in enumerate(self._seeds(seed)):
             if mask[i] and (s is not None or self._generators[i] is None):
                 self._generators[i], self._used_seeds[i] = seeding.np_random(s)
-        self._begin(mask)
+        self._begin(mask, given)
         return self.episodes.observations.copy(), self._infos(mask)
 
     def step(self, actions):
@@ -172,10 +181,11 @@ class ShipVectorEnv(VectorEnv):
         infos.update(self._infos(self._everyone))
         return episodes.observations.copy(), rewards, terminated, truncated, infos
 
-    def _begin(self, mask: np.ndarray) -> None:
+    def _begin(self, mask: np.ndarray, given: Mapping[str, np.ndarray] | None = None) -> None:
         which = np.flatnonzero(mask)
         draws = np.stack([self._generators[i].random(self.episodes.n_draws) for i in which])
-        self.episodes.start(which, draws)
+        given = {name: values[which] for name, values in (given or {}).items()}
+        self.episodes.start(which, draws, given)
         self._ended[which] = False
         if self._screens:
             for i in which:
@@ -193,7 +203,10 @@ class ShipVectorEnv(VectorEnv):
         seeds = list(seed)
         if len(seeds) != self.num_envs:
             raise ConfigError(f"{len(seeds)} seeds given for {self.num_envs} environments")
-        return seeds
+        for one in seeds:
+            if one is not None and not isinstance(one, int | np.integer):
+                raise ConfigError(f"seed {one!r}: must be a whole number or None")
+        return [None if one is None else int(one) for one in seeds]
 
     def _reset_mask(self, options: dict[str, Any] | None) -> np.ndarray:
         if not options or "reset_mask" not in options:

@@ -9,7 +9,6 @@ import numpy as np
 
 from ship_gym.conventions import FORCE_AXES, FORCE_COMPONENTS, X, Y
 from ship_gym.physics.waves import WAVE_ROLL, WAVE_YAW
-from ship_gym.tasks.bridge import OUTCOMES
 
 if TYPE_CHECKING:
     from ship_gym.envs.episodes import EpisodeBatch
@@ -86,8 +85,7 @@ class Screen:
         from ship_gym.rendering.scene import Scene
 
         e, i = self._episodes, self._index
-        ship, task, sea, scenario = e.ships[i], e.tasks[i], e.sim.seas[i], e.scenario
-        on_track = scenario.on_track
+        ship, task, sea = e.ships[i], e.tasks[i], e.sim.seas[i]
         return Scene(
             task=self._title(),
             ship=ship.name,
@@ -100,13 +98,8 @@ class Screen:
             command=e.sim.commands[i].copy(),
             time=float(e.sim.time[i]),
             scale=ship.scale,
-            psi_ordered=float(task["psi_ordered"]),
-            heading_limit=None if on_track else float(task["heading_limit"]),
             wake=np.array(self._wake),
-            track=e.plans[i].copy() if on_track else None,
-            active_leg=int(task["active"]) if on_track else 0,
-            cross_track=float(e.errors[i]) if on_track else 0.0,
-            cross_track_limit=float(task["cross_limit"]) if on_track else None,
+            **e.task.scene(e, i),
             current=(float(sea["V_north"]), float(sea["V_east"])),
             wind=(float(sea["wind_north"]), float(sea["wind_east"])),
             wave_height=float(task["wave_height"]),
@@ -115,14 +108,14 @@ class Screen:
             wave_yaw=float(e.sim.waves[i, WAVE_YAW]),
             wave_roll=float(e.sim.waves[i, WAVE_ROLL]),
             reward=float(e.rewards[i]),
-            reward_terms=dict(zip(e.task.reward_terms, e.terms[i].tolist(), strict=True)),
+            reward_terms=dict(zip(e.reward_terms, e.terms[i].tolist(), strict=True)),
             outcome=self._outcome(),
         )
 
     def _outcome(self) -> str:
         e, i = self._episodes, self._index
         if e.terminated[i]:
-            return OUTCOMES[e.outcomes[i]]
+            return e.task.all_outcomes[e.outcomes[i]].name
         return "end of time" if e.truncated[i] else ""
 
     def close(self) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import self_propulsion
+from ship_gym.tasks.columns import action_columns
 
 
 @runtime_checkable
@@ -29,7 +30,8 @@ class Controller(Protocol):
     def act(self, observations: np.ndarray) -> np.ndarray:
         """Actions (count, n_actions) in [-1, 1] for observations (count, n_observations).
 
-        The columns of the observation are those of ``ship_gym.tasks.observations_of(task)``.
+        What the columns are is known by name: ``tasks.columns.observation_columns(scenario)`` in
+        `reset`, then ``columns.view(observations).yaw_rate``; ``action_columns`` for the actions.
         """
 
 
@@ -48,10 +50,12 @@ class ConstantController:
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
         """Prepare the one action."""
-        self._action = np.full((count, 1), self.rudder)
-        if scenario.control == "rudder+rpm":
+        columns = action_columns(scenario)
+        self._action = np.zeros((count, len(columns)))
+        self._action[:, columns["rudder"]] = self.rudder
+        if "rpm" in columns:
             n = self_propulsion(ship, ship.speed) / ship.engine.n_max
-            self._action = np.column_stack([self._action, np.full(count, 2.0 * n - 1.0)])
+            self._action[:, columns["rpm"]] = 2.0 * n - 1.0
 
     def act(self, observations: np.ndarray) -> np.ndarray:
         """Return the constant action for every episode."""

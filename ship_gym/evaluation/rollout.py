@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium.utils import seeding
 
 from ship_gym.config import ConfigError, check_number
-from ship_gym.conventions import polar, wrap_angle
+from ship_gym.conventions import polar
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.evaluation.controller import Controller
@@ -22,8 +22,8 @@ from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import history_columns
 from ship_gym.tasks import TASKS
-from ship_gym.tasks.bridge import HEADING_LIMIT, OUTCOMES, TRACK_LIMIT
-from ship_gym.tracks.guidance import cross_track
+from ship_gym.tasks.base import Task
+from ship_gym.tasks.rewards import COSTS
 
 # Episode seeds: training draws from [0, 400_000) and validates from there on (agents), gains
 # and hyperparameters are tuned on [TUNING_SEED, EVALUATION_SEED), and nothing but an evaluation
@@ -33,7 +33,7 @@ TUNING_SEED = 500_000
 EVALUATION_SEED = 2_000_000
 
 _HISTORIES = ("time", "states", "commands", "forces", "flow", "waves")
-_START = ("time", "states", "waves", "orders", "legs")  # of an interval
+_START = ("time", "states", "waves")  # of an interval
 _DURING = ("commands", "forces", "flow")  # the engine's, at the start of the interval
 
 
@@ -68,15 +68,14 @@ class Rollout:
     lengths : numpy.ndarray
         Intervals sailed, shape (n,).
     outcomes : numpy.ndarray
-        Why each episode terminated, index of ``tasks.bridge.OUTCOMES``, shape (n,); 0: it was
+        Why each episode terminated, index of the task's outcomes, shape (n,); 0: it was
         truncated. One that terminates in its last interval counts as terminated only.
     histories : dict
         ``time`` [s] (T+1, n), ``states`` (T+1, n, 8), ``commands`` (T+1, n, 2), ``forces``
-        (T+1, n, 6, 3), ``flow`` (T+1, n, 7), ``waves`` (T+1, n, 9), ``orders`` (ordered heading or
-        bearing of the active leg [rad], T+1, n), ``legs`` (active leg or order, T+1, n), ``terms``
-        (T, n, 5), ``rewards`` (T, n).
+        (T+1, n, 6, 3), ``flow`` (T+1, n, 7), ``waves`` (T+1, n, 9), what the task keeps (its
+        ``history``, such as ``psi_ordered``, T+1, n), ``terms`` (T, n, terms), ``rewards`` (T, n).
     plans : numpy.ndarray
-        Orders or way-points of each episode, shape (n, rows, 2), as ``EpisodeBatch.plans``.
+        Orders or way-points of each episode, as ``EpisodeBatch.plans``.
     weather : dict
         ``wave_height`` [m], ``wave_period`` [s], ``wave_direction_to`` [rad], ``wind_speed``
         [m/s], ``wind_direction_to`` [rad], shapes (n,).
@@ -110,9 +109,20 @@ class Rollout:
         return self.outcomes > 0
 
     @property
+    def task(self) -> Task:
+        """The task of the scenario."""
+        return TASKS[self.scenario.task]
+
+    @property
     def failed(self) -> np.ndarray:
-        """Whether each episode ended at a limit, shape (n,)."""
-        return (self.outcomes == HEADING_LIMIT) | (self.outcomes == TRACK_LIMIT)
+        """Whether each episode ended at a limit or diverged, shape (n,)."""
+        return np.array([outcome.failed for outcome in self.task.all_outcomes])[self.outcomes]
+
+    @property
+    def succeeded(self) -> np.ndarray:
+        """Whether each episode ended as it should, shape (n,), as ``info["is_success"]``."""
+        reached = np.array([outcome.reached for outcome in self.task.all_outcomes])
+        return reached[self.outcomes] if reached.any() else ~self.failed
 
     @property
     def episodes(self) -> list[Trajectory]:
@@ -129,12 +139,8 @@ class Rollout:
         rows = slice(0, self.lengths[i] + 1)
         parts = [self.histories[name][rows, i] for name in _HISTORIES]
         columns = history_columns(*parts)
-        columns["psi_ordered"] = self.histories["orders"][rows, i]
-        columns["psi_error"] = wrap_angle(columns["psi"] - columns["psi_ordered"])
-        if self.scenario.on_track:
-            columns["leg"] = self.histories["legs"][rows, i]
-            place = (columns["leg"].astype(int), columns["x"], columns["y"])
-            columns["cross_track_error"] = cross_track(self.plans[i], *place)
+        history = {name: self.histories[name][rows, i] for name in self.task.history}
+        columns |= self.task.columns(columns, history, self.plans[i])
         columns["current_speed"] = np.full(len(columns["t"]), self.current[i, 0])
         columns["current_direction_to"] = np.full(len(columns["t"]), self.current[i, 1])
         if self.weather["wind_speed"][i] > 0.0:
@@ -143,13 +149,13 @@ class Rollout:
             columns["wind_direction_from"] = np.full(len(columns["t"]), origin)
         sailed = slice(0, self.lengths[i])
         columns["reward"] = np.append(self.histories["rewards"][sailed, i], 0.0)
-        for k, name in enumerate(TASKS[self.scenario.task].reward_terms):
-            columns[f"reward_{name}"] = np.append(self.histories["terms"][sailed, i, k], 0.0)
+        for k, term in enumerate((*self.task.terms, *COSTS)):
+            columns[f"reward_{term.name}"] = np.append(self.histories["terms"][sailed, i, k], 0.0)
         return Trajectory(columns, self._meta(i))
 
     def _meta(self, i: int) -> dict[str, Any]:
         terminated = bool(self.terminated[i])
-        track = {"waypoints": self.plans[i].tolist()} if self.scenario.on_track else {}
+        outcome = self.task.all_outcomes[self.outcomes[i]].name
         return {
             "task": self.scenario.task,
             "controller": self.controller,
@@ -160,9 +166,10 @@ class Rollout:
             "sea": {k: values[i].item() for k, values in self.weather.items()},
             "terminated": terminated,
             "truncated": not terminated,
-            "outcome": OUTCOMES[self.outcomes[i]] if terminated else "end of time",
+            "outcome": outcome if terminated else "end of time",
             "failed": bool(self.failed[i]),
-            **track,
+            "success": bool(self.succeeded[i]),
+            **self.task.meta(self.plans[i]),
             **self.provenance,
         }
 
@@ -289,9 +296,9 @@ class _Log:
             "forces": sim.forces,
             "flow": sim.flow,
             "waves": sim.waves,
-            "orders": batch.tasks["psi_ordered"],
-            "legs": batch.tasks["active"],
+            **{name: batch.tasks[name] for name in batch.task.history},
         }
+        self._start = (*_START, *batch.task.history)
         self._earned = {"terms": batch.terms, "rewards": batch.rewards}
         rows = batch.scenario.steps
         shapes = {name: (rows + 1, *a.shape) for name, a in self._now.items()}
@@ -303,7 +310,7 @@ class _Log:
 
     def sail(self, k: int, actions: np.ndarray) -> None:
         """Sail interval k and keep its start, its forces and its reward."""
-        for name in _START:
+        for name in self._start:
             self.histories[name][k] = self._now[name]
         self.batch.step(actions)
         for name in _DURING:
@@ -318,10 +325,10 @@ class _Log:
     def close(self, k: int) -> None:
         """Fill row k, the final state, with the forces that one more step finds at its start."""
         sim = self.batch.sim
-        for name in _START:
+        for name in self._start:
             self.histories[name][k] = self._now[name]
-        sim.advance()
-        for name in _DURING:
-            self.histories[name][k] = self._now[name]
+        sim.sail()
+        for name in _DURING:  # finite too where a ship has diverged
+            self.histories[name][k] = np.nan_to_num(self._now[name], posinf=0.0, neginf=0.0)
         last = self.lengths, np.arange(self.batch.n)
         self.histories["commands"][last] = self.histories["commands"][last[0] - 1, last[1]]

@@ -18,7 +18,7 @@ from pathlib import Path
 import numba
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-_KERNEL_SOURCES = ("conventions.py", "physics/*.py", "tracks/*.py", "tasks/*.py")
+_KERNEL_SOURCES = ("conventions.py", "physics/*.py", "tracks/*.py", "tasks/**/*.py")
 
 
 def source_hash() -> str:
@@ -26,7 +26,7 @@ def source_hash() -> str:
     digest = hashlib.sha256(numba.__version__.encode())
     for pattern in _KERNEL_SOURCES:
         for path in sorted(_PACKAGE.glob(pattern)):
-            digest.update(path.name.encode() + path.read_bytes())
+            digest.update(path.relative_to(_PACKAGE).as_posix().encode() + path.read_bytes())
     return digest.hexdigest()[:16]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,30 +11,26 @@ from typing import Any
 
 from ship_gym.config import ConfigError, build, check_known, check_number, merged, read_toml
 from ship_gym.scenarios.sea_range import SeaRange
-from ship_gym.scenarios.sections import (
-    Course,
-    Failure,
-    Limits,
-    Randomisation,
-    Reward,
-    Sensors,
-    Start,
-    TrackRange,
-)
+from ship_gym.scenarios.sections import Failure, Randomisation, Sensors
+from ship_gym.tasks import TASKS
+from ship_gym.tasks.base import NoLimits, Start, Task
+from ship_gym.tasks.columns import ACTIONS
+from ship_gym.tasks.rewards import reward_section
 
 _FOLDER = Path(__file__).parent
-TASKS = ("heading_keeping", "course_changing", "track_following")
-CONTROLS = ("rudder", "rudder+rpm")
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Scenario:
     """Task, ship, control, times [full-scale s] and the sections of an environment.
+
+    The task brings sections of its own, `start`, `limits` and `reward` among them: the scenario of
+    a task is a subclass that has them as fields (`scenario_class`).
 
     Attributes
     ----------
     task : str
-        One of `TASKS`.
+        One of ``ship_gym.tasks.TASKS``.
     ship : str
         One of ``available_ships()`` or the path of a ship file.
     surrogate : str
@@ -44,7 +41,7 @@ class Scenario:
         At full scale [s]; a model gets them Froude-scaled.
     privileged : bool
         Append what no bridge knows to the observation: waves, wind, current and forces.
-    start, sea, limits, reward, course, track, sensors, randomisation, failure
+    sea, sensors, randomisation, failure
         Sections, see their classes.
     """
 
@@ -53,21 +50,15 @@ class Scenario:
     control: str
     control_interval: float
     duration: float
-    start: Start
     sea: SeaRange
-    limits: Limits
-    reward: Reward
     surrogate: str | None = None
     privileged: bool = False
-    course: Course = dataclasses.field(default_factory=Course)
-    track: TrackRange = dataclasses.field(default_factory=TrackRange)
     sensors: Sensors = dataclasses.field(default_factory=Sensors)
     randomisation: Randomisation = dataclasses.field(default_factory=Randomisation)
     failure: Failure = dataclasses.field(default_factory=Failure)
 
     def __post_init__(self):
-        check_known("task", self.task, TASKS)
-        check_known("control", self.control, CONTROLS)
+        check_known("control", self.control, ACTIONS)
         check_number("control_interval", self.control_interval, 0.05, 60.0, "s")
         check_number("duration", self.duration, self.control_interval, 1e6, "s")
         if abs(self.duration / self.control_interval - self.steps) > 1e-9 * self.steps:
@@ -75,43 +66,7 @@ class Scenario:
                 f"duration = {self.duration}: must be a multiple of control_interval = "
                 f"{self.control_interval}"
             )
-        self._check_start()
-        self._check_unused()
-        other = "heading" if self.on_track else "cross_track"
-        if getattr(self.reward, other) > 0.0:
-            raise ConfigError(
-                f"reward.{other} = {getattr(self.reward, other)}: allowed is 0 for task "
-                f"{self.task!r}, which is paid for {self.error_term!r}"
-            )
-
-    def _check_start(self) -> None:
-        name, unit = ("cross_track", "L") if self.on_track else ("heading_error_deg", "deg")
-        start, limit = getattr(self.start, name), getattr(self.limits, name)
-        if start >= limit and not (unit == "deg" and limit == 180.0):
-            raise ConfigError(f"start.{name} = {start}: must be below limits.{name} = {limit}")
-
-    def _check_unused(self) -> None:
-        """Refuse what only another task uses: a key that does nothing is a mistake."""
-        nominal = Limits().cross_track
-        unused = {
-            "course": self.task != "course_changing" and self.course != Course(),
-            "track": not self.on_track and self.track != TrackRange(),
-            "start.cross_track": not self.on_track and self.start.cross_track > 0.0,
-            "limits.cross_track": not self.on_track and self.limits.cross_track != nominal,
-        }
-        for key, given in unused.items():
-            if given:
-                raise ConfigError(f"{key}: task {self.task!r} does not use it; leave it out")
-
-    @property
-    def on_track(self) -> bool:
-        """Whether the task is to sail a track, not a heading."""
-        return self.task == "track_following"
-
-    @property
-    def error_term(self) -> str:
-        """Name of the reward term of the error: ``heading`` or ``cross_track``."""
-        return "cross_track" if self.on_track else "heading"
+        TASKS[self.task].check(self)
 
     @property
     def steps(self) -> int:
@@ -122,21 +77,53 @@ class Scenario:
         """Nested dict of plain values, as JSON keeps them; `load_scenario` takes it back."""
         return json.loads(json.dumps(dataclasses.asdict(self)))
 
+    def __reduce__(self):
+        """Pickle by values: the class is made for the task."""
+        return load_scenario, (self.to_dict(),)
+
+
+def task_sections(task: Task) -> dict[str, type]:
+    """Sections that a task brings to its scenario, name to dataclass."""
+    usual = {"start": Start, "limits": NoLimits, "reward": reward_section(task.terms)}
+    return usual | dict(task.sections)
+
+
+@functools.cache
+def scenario_class(task: Task) -> type[Scenario]:
+    """Class of the scenarios of a task."""
+    fields = []
+    for name, section in task_sections(task).items():
+        needed = any(
+            f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING
+            for f in dataclasses.fields(section)
+        )
+        default = () if needed else (dataclasses.field(default_factory=section),)
+        fields.append((name, section, *default))
+    return dataclasses.make_dataclass(
+        "Scenario",
+        fields,
+        bases=(Scenario,),
+        frozen=True,
+        kw_only=True,
+        namespace={"__doc__": f"Scenario of task `{task.name}`.", "__module__": __name__},
+    )
+
 
 def available_scenarios() -> list[str]:
-    """Names of the scenarios that come with the package."""
-    return sorted(path.stem for path in _FOLDER.glob("*.toml"))
+    """Names of the scenarios of the package and of the tasks from outside."""
+    own = {path.stem for path in _FOLDER.glob("*.toml")}
+    return sorted(own | set(TASKS.outside()))
 
 
 def load_scenario(
-    scenario: str | Path | Mapping[str, Any] = "heading_keeping",
+    scenario: str | Path | Mapping[str, Any] | Scenario = "heading_keeping",
     overrides: Mapping[str, Any] | None = None,
 ) -> Scenario:
     """Load a scenario and replace some of its keys.
 
     Parameters
     ----------
-    scenario : str, path or mapping
+    scenario : str, path, mapping or Scenario
         One of `available_scenarios()`, the path of a ``.toml`` file, or a nested mapping. With a
         key ``base``, the name of another scenario, only what differs from that is in it.
     overrides : mapping, optional
@@ -147,8 +134,14 @@ def load_scenario(
     ConfigError
         Unknown scenario or key (with the nearest one), or a value that is not allowed.
     """
+    if isinstance(scenario, Scenario):
+        scenario = scenario.to_dict()
     values, where = _read(scenario)
-    return build(Scenario, merged(values, _nested(overrides or {})), where)
+    changes = _nested(overrides or {})
+    values = merged(_without_other_task(values, changes), changes)
+    if "task" not in values:
+        raise ConfigError(f"{where}: missing key 'task'")
+    return build(scenario_class(TASKS[values["task"]]), values, where)
 
 
 def _read(scenario: str | Path | Mapping[str, Any], depth: int = 0) -> tuple[dict[str, Any], str]:
@@ -159,13 +152,37 @@ def _read(scenario: str | Path | Mapping[str, Any], depth: int = 0) -> tuple[dic
         values, where = _beside(Path(scenario), read_toml(scenario)), str(scenario)
     else:
         name = check_known("scenario", str(scenario), available_scenarios())
-        values, where = read_toml(_FOLDER / f"{name}.toml"), f"scenario {name}"
+        values, where = stated(name), f"scenario {name}"
     if "base" not in values:
         return values, where
     if depth > 5:
         raise ConfigError(f"{where}: base = {values['base']!r}: more than five deep, or a circle")
     base, _ = _read(values.pop("base"), depth + 1)
-    return merged(base, values), where
+    return merged(_without_other_task(base, values), values), where
+
+
+def stated(name: str) -> dict[str, Any]:
+    """What a scenario of that name states itself, without its base."""
+    outside = TASKS.outside()
+    if name in outside:
+        return {"task": name, **outside[name].scenario}
+    return read_toml(_FOLDER / f"{name}.toml")
+
+
+def _without_other_task(values: Mapping[str, Any], changes: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Values of a base without what only its task knows, where `changes` are of another task."""
+    old, new = values.get("task"), changes.get("task", values.get("task"))
+    if old == new or old not in TASKS or new not in TASKS:
+        return values
+    known = task_sections(TASKS[new])
+    kept = dict(values)
+    for name in task_sections(TASKS[old]):
+        if name not in known:
+            kept.pop(name, None)
+        elif isinstance(kept.get(name), Mapping):
+            keys = {field.name for field in dataclasses.fields(known[name])}
+            kept[name] = {key: value for key, value in kept[name].items() if key in keys}
+    return kept
 
 
 def _beside(path: Path, values: dict[str, Any]) -> dict[str, Any]:

@@ -1,45 +1,77 @@
-"""Tasks: what the agent sees, what it is paid for, when the episode ends; batches of numbers."""
+"""Tasks: what the agent sees, what it is paid for, when the episode ends, how it is judged.
+
+One folder each, found by being there. Their names cost no import; a task itself, with its kernels,
+loads when it is asked for.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
+import importlib
+import pkgutil
+from collections.abc import Iterator, Mapping
 
-from ship_gym.tasks import bridge, heading, privileged, track
-
-
-class Task(NamedTuple):
-    """One task: tables for people and loops over ships.
-
-    Attributes
-    ----------
-    observations : tuple
-        Rows (symbol, unit, low, high, meaning) of the observation.
-    reward_terms : tuple of str
-    observe_batch, judge_batch, begin_batch : callable
-        See ``tasks.heading`` and ``tasks.track``.
-    """
-
-    observations: tuple[tuple[str, str, float, float, str], ...]
-    reward_terms: tuple[str, ...]
-    observe_batch: Callable
-    judge_batch: Callable
-    begin_batch: Callable
+from ship_gym.config import ConfigError, check_known
+from ship_gym.tasks.base import Row, Task
 
 
-def _task(module, extra=()) -> Task:
-    loops = module.observe_batch, module.judge_batch, module.begin_batch
-    return Task((*bridge.OBSERVATIONS, *extra), module.REWARD_TERMS, *loops)
+class _Tasks(Mapping):
+    """All tasks by name; those of the package are imported at first use."""
+
+    def __init__(self):
+        # name -> module of a package's task, or the task itself
+        self._known: dict[str, str | Task] = {}
+        self.versions: dict[str, int] = {}
+        for found in pkgutil.iter_modules(__path__):
+            if found.ispkg:
+                folder = importlib.import_module(f"{__name__}.{found.name}")  # two constants
+                self._known[folder.NAME] = f"{folder.__name__}.task"
+                self.versions[folder.NAME] = folder.VERSION
+
+    def __getitem__(self, name: str) -> Task:
+        found = self._known[check_known("task", name, self._known)]
+        if isinstance(found, str):
+            found = self._known[name] = importlib.import_module(found).TASK
+        return found
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._known
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._known)
+
+    def __len__(self) -> int:
+        return len(self._known)
+
+    def outside(self) -> dict[str, Task]:
+        """Tasks from outside the package by name."""
+        return {k: t for k, t in self._known.items() if isinstance(t, Task) and t.scenario}
+
+    def add(self, task: Task) -> None:
+        """Know a task from outside the package; the same name again replaces one from outside."""
+        known = self._known.get(task.name)
+        if isinstance(known, str) or (known is not None and known.scenario is None):
+            raise ConfigError(f"task {task.name!r} is one of the package; choose another name")
+        if task.scenario is None:
+            raise ConfigError(
+                f"task {task.name!r}: give its default `scenario`, such as "
+                '{"base": "heading_keeping", ...}'
+            )
+        self._known[task.name] = task
+        self.versions[task.name] = task.version
+
+    def forget(self, name: str, before: Task | None = None) -> None:
+        """Take back `add`; `before` is what the name stood for."""
+        del self._known[name], self.versions[name]
+        if before is not None:
+            self.add(before)
 
 
-TASKS: dict[str, Task] = {
-    "heading_keeping": _task(heading),
-    "course_changing": _task(heading),
-    "track_following": _task(track, track.OBSERVATIONS),
-}
+TASKS = _Tasks()
 
 
-def observations_of(task: str, with_privileged: bool = False):
-    """Rows (symbol, unit, low, high, meaning) of the observation of a task."""
-    rows = TASKS[task].observations
+def observations_of(task: str, with_privileged: bool = False) -> tuple[Row, ...]:
+    """Rows of the observation of a task: bridge, its own, then the privileged ones if wanted."""
+    from ship_gym.tasks import bridge, privileged  # late: kernels
+
+    rows = (*bridge.OBSERVATIONS, *TASKS[task].observations)
     return (*rows, *privileged.OBSERVATIONS) if with_privileged else rows

@@ -1,4 +1,4 @@
-"""What every task has in common: commands, the nine measurements of a bridge, the reward's form.
+"""What every task has in common: commands, the nine measurements of a bridge, how an interval ends.
 
 Scalar kernels and the loops over them; the scalar environment is a batch of one. The loops are
 serial: they take a fraction of the physics, and each start of threads is a place to wait where
@@ -8,77 +8,91 @@ cores are shared.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from ship_gym.conventions import DELTA, FLOW_TORQUE, N
+from ship_gym.conventions import DELTA, FLOW_TORQUE, PSI, N, R, U, V
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
+from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.propeller import shaft_power
+from ship_gym.tasks.base import DIVERGED, Row
+from ship_gym.tasks.rewards import COSTS
 from ship_gym.tasks.sensors import measured
 
-# symbol, unit, low, high, meaning; psi_e as the task has it
+# psi_e as the task has it; one more measurement is a row here and its value in `observe_bridge`
 OBSERVATIONS = (
-    ("sin(psi_e)", "-", -1.0, 1.0, "sine of the heading error"),
-    ("cos(psi_e)", "-", -1.0, 1.0, "cosine of the heading error"),
-    ("r L / U0", "-", -5.0, 5.0, "yaw rate, positive to starboard"),
-    ("u / U0", "-", -3.0, 3.0, "surge velocity through the water"),
-    ("v / U0", "-", -3.0, 3.0, "sway velocity through the water, positive to starboard"),
-    ("delta / delta_max", "-", -1.0, 1.0, "rudder angle achieved"),
-    ("n / n_max", "-", 0.0, 1.0, "propeller speed achieved"),
-    ("delta_c / delta_max", "-", -1.0, 1.0, "last rudder command"),
-    ("n_c / n_max", "-", 0.0, 1.0, "last propeller speed command"),
+    Row("sin_error", "sin(psi_e)", "-", -1.0, 1.0, "sine of the heading error"),
+    Row("cos_error", "cos(psi_e)", "-", -1.0, 1.0, "cosine of the heading error"),
+    Row("yaw_rate", "r L / U0", "-", -5.0, 5.0, "yaw rate, positive to starboard"),
+    Row("surge", "u / U0", "-", -3.0, 3.0, "surge velocity through the water"),
+    Row("sway", "v / U0", "-", -3.0, 3.0, "sway velocity through the water, positive to starboard"),
+    Row("rudder", "delta / delta_max", "-", -1.0, 1.0, "rudder angle achieved"),
+    Row("propeller", "n / n_max", "-", 0.0, 1.0, "propeller speed achieved"),
+    Row("rudder_command", "delta_c / delta_max", "-", -1.0, 1.0, "last rudder command"),
+    Row("propeller_command", "n_c / n_max", "-", 0.0, 1.0, "last propeller speed command"),
 )
 N_BRIDGE = len(OBSERVATIONS)
-_LOW = tuple(row[2] for row in OBSERVATIONS)
-_HIGH = tuple(row[3] for row in OBSERVATIONS)
+_LOW = tuple(row.low for row in OBSERVATIONS)
+_HIGH = tuple(row.high for row in OBSERVATIONS)
 
-# the first term is that of the task's error
-COST_TERMS = ("rudder", "rudder_rate", "speed_loss", "termination")
-N_TERMS = 1 + len(COST_TERMS)
-
-RUNNING, HEADING_LIMIT, TRACK_LIMIT, ARRIVED = 0, 1, 2, 3
 SATURATED = 0.999  # share of the largest rudder angle that counts as hard over
-OUTCOMES = ("running", "heading limit", "cross-track limit", "arrived")
+# Beyond these a state is none of a ship: speed through the water over U0 and r L / U0. Full ahead
+# the ships of the package reach 1.9 U0, hard over r L / U0 = 1.2.
+FASTEST, FASTEST_TURN = 4.0, 20.0
 
-TASK_DTYPE = np.dtype(
-    (
-        np.record,
-        [
-            ("psi_ordered", np.float64),  # ordered heading or bearing of the active leg [rad]
-            ("speed", np.float64),  # nominal speed U0 [m/s]
-            ("L", np.float64),  # length of the ship [m]
-            ("n_order", np.float64),  # propeller speed without rpm control [rev/s]
-            ("n_limit", np.float64),  # what the engine can still turn [rev/s]
-            ("interval", np.float64),  # control interval [full-scale s]
-            ("rudder_stroke", np.float64),  # largest rudder change in one interval [rad]
-            ("heading_limit", np.float64),  # error that ends the episode: [rad] ...
-            ("cross_limit", np.float64),  # ... and [m]
-            ("error", np.float64),  # weights of the reward terms
-            *((name, np.float64) for name in COST_TERMS),
-            ("noisy", np.int64),
-            ("noise_key", np.int64),
-            ("heading_bias", np.float64),  # [rad]
-            ("heading_noise", np.float64),  # standard deviations [rad], [rad/s], [m/s], [m]
-            ("yaw_rate_noise", np.float64),
-            ("speed_noise", np.float64),
-            ("position_noise", np.float64),
-            ("active", np.int64),  # active leg or order, and how many there are
-            ("count", np.int64),
-            ("next_change", np.float64),  # course: interval at which the next order comes
-            ("x_a", np.float64),  # track: ends of the active leg [m]
-            ("y_a", np.float64),
-            ("x_b", np.float64),
-            ("y_b", np.float64),
-            ("turn", np.float64),  # course change at its end [rad]
-            ("acceptance", np.float64),  # [m]
-            ("look_ahead", np.float64),  # [m]
-            ("wave_height", np.float64),  # what the sea of this episode is: H_s [m], T_p [s],
-            ("wave_period", np.float64),
-            ("wave_to", np.float64),  # direction the waves go to [rad]
-        ],
-    )
+# What the record of every episode holds; a task adds its own fields and the weights of its terms.
+_COMMON_FIELDS = (
+    ("psi_ordered", np.float64),  # ordered heading or bearing of the active leg [rad]
+    ("speed", np.float64),  # nominal speed U0 [m/s]
+    ("L", np.float64),  # length of the ship [m]
+    ("n_order", np.float64),  # propeller speed without rpm control [rev/s]
+    ("n_limit", np.float64),  # what the engine can still turn [rev/s]
+    ("interval", np.float64),  # control interval [full-scale s]
+    ("rudder_stroke", np.float64),  # largest rudder change in one interval [rad]
+    ("noisy", np.int64),
+    ("noise_key", np.int64),
+    ("heading_bias", np.float64),  # [rad]
+    ("heading_noise", np.float64),  # standard deviations [rad], [rad/s], [m/s], [m]
+    ("yaw_rate_noise", np.float64),
+    ("speed_noise", np.float64),
+    ("position_noise", np.float64),
+    ("wave_height", np.float64),  # what the sea of this episode is: H_s [m], T_p [s],
+    ("wave_period", np.float64),
+    ("wave_to", np.float64),  # direction the waves go to [rad]
 )
+
+
+def record_dtype(task) -> np.dtype:
+    """Type of the record of one episode: common fields, weights of the reward, the task's own."""
+    weights = [(term.name, np.float64) for term in (*task.terms, *COSTS)]
+    return np.dtype((np.record, [*_COMMON_FIELDS, *weights, *task.fields]))
+
+
+class Verdict(NamedTuple):
+    """What an interval comes to, arrays (n,) that are written: rewards, flags, intervals sailed,
+    outcomes, errors; and the number of intervals of an episode.
+    """
+
+    rewards: np.ndarray
+    terminated: np.ndarray
+    truncated: np.ndarray
+    elapsed: np.ndarray
+    outcomes: np.ndarray
+    errors: np.ndarray
+    steps: int
+
+
+class Ledger(NamedTuple):
+    """What an interval has cost, arrays (n,) that are written: power [W], energy since the reset
+    [J], the safety cost and success.
+    """
+
+    power: np.ndarray
+    energy: np.ndarray
+    cost: np.ndarray
+    success: np.ndarray
 
 
 @kernel
@@ -88,41 +102,15 @@ def clipped(value, low, high):
 
 
 @kernel
-def reward_terms(error, delta, stroke, u, task, failed):
-    """The five terms of one interval, each <= 0: error, rudder, rudder rate, speed, termination.
-
-    Parameters
-    ----------
-    error : float
-        Heading error [rad] or cross-track error [L].
-    delta, stroke : float
-        Rudder angle and its change during the interval [rad].
-    u : float
-        Surge velocity through the water [m/s].
-    failed : bool
-        The episode ends because a limit was exceeded.
-    """
-    loss = max(0.0, 1.0 - u / task.speed)
-    rate = stroke / task.rudder_stroke
-    return (
-        -task.interval * task.error * error * error,
-        -task.interval * task.rudder * delta * delta,
-        -task.interval * task.rudder_rate * rate * rate,
-        -task.interval * task.speed_loss * loss * loss,
-        -task.termination if failed else 0.0,
-    )
-
-
-@kernel
-def command_batch(actions, states, ships, tasks, commands, rudder_before, n_before):
+def command_batch(actions, states, ships, tasks, commands, before):
     """Actions in [-1, 1] to commands: rudder / delta_max and, if there, rpm from [0, n_max].
 
-    Keeps rudder angle and propeller speed at the start of the interval. Returns how many rows are
-    finite.
+    Keeps the states at the start of the interval in `before`. Returns how many rows are finite.
     """
     good = 0
     for i in range(actions.shape[0]):
-        rudder_before[i], n_before[i] = states[i, DELTA], states[i, N]
+        for k in range(states.shape[1]):
+            before[i, k] = states[i, k]
         commands[i, 0] = clipped(actions[i, 0], -1.0, 1.0) * ships[i].gear.delta_max
         n = tasks[i].n_order
         finite = math.isfinite(actions[i, 0])
@@ -141,60 +129,125 @@ def observe_bridge(state, waves, command, ship, sea, task, interval, row):
     Returns what `measured` saw.
     """
     seen = measured(state, waves, sea, task, interval)
-    psi_e = wrapped(seen[0] - task.psi_ordered)
+    psi_e = wrapped(seen.psi - task.psi_ordered)
     values = (
         math.sin(psi_e),
         math.cos(psi_e),
-        seen[1] * ship.hull.L / task.speed,
-        seen[2] / task.speed,
-        seen[3] / task.speed,
+        seen.r * ship.hull.L / task.speed,
+        seen.u / task.speed,
+        seen.v / task.speed,
         state[DELTA] / ship.gear.delta_max,
         state[N] / ship.engine.n_max,
         command[0] / ship.gear.delta_max,
         command[1] / ship.engine.n_max,
     )
-    for k in range(9):
+    for k in range(N_BRIDGE):
         row[k] = clipped(values[k], _LOW[k], _HIGH[k])
     return seen
 
 
 @kernel
-def settle(i, error, found, outcome, verdict, terms):
-    """Write reward, terms and flags of the interval just sailed by ship i.
-
-    `verdict` holds rewards, terminated, truncated, elapsed, outcomes and errors, each (n,) and
-    written, and the number of intervals of an episode.
+def observe_batch(states, waves, commands, ships, seas, tasks, elapsed, observations):
+    """Observation of every ship, float32, into the first columns: what a task without rows of its
+    own observes.
     """
-    rewards, terminated, truncated, elapsed, outcomes, errors, steps = verdict
-    errors[i] = error
-    total = 0.0
-    for k in range(5):
-        terms[i, k] = found[k]
-        total += found[k]
-    rewards[i] = total
-    terminated[i] = outcome != 0
-    outcomes[i] = outcome
-    elapsed[i] += 1
-    truncated[i] = elapsed[i] >= steps
+    for i in range(states.shape[0]):
+        observe_bridge(
+            states[i], waves[i], commands[i], ships[i], seas[i], tasks[i], elapsed[i],
+            observations[i],
+        )  # fmt: skip
 
 
 @kernel
-def account_batch(states, n_before, flow, ships, dt, verdict, must_arrive, ledger):
-    """Write what an interval has cost: `ledger` holds power [W], energy since the reset [J], the
-    safety cost and success, each (n,).
+def settle(i, error, own, paid, outcome, verdict, terms):
+    """Write error, terms, reward and flags of the interval just sailed by ship i.
 
-    Power is that at the start of the interval, of which torque and `n_before` [rev/s] are. Success
-    is to reach the end of the episode in `heading` tasks, the last way-point in tracks.
+    Parameters
+    ----------
+    error : float
+        For the verdict, in the task's own unit.
+    own : tuple of float
+        The task's terms.
+    paid : Costs
+        The cost terms.
+    outcome : int
+        0 while the episode goes on.
+    terms : ndarray (n, len(own) + len(paid))
+        Written.
     """
-    _, _, truncated, _, outcomes, _, _ = verdict
-    power, energy, cost, success = ledger
+    total = 0.0
+    for k in range(len(own)):
+        terms[i, k] = own[k]
+        total += own[k]
+    for k in range(len(paid)):
+        terms[i, len(own) + k] = paid[k]
+        total += paid[k]
+    verdict.rewards[i] = total
+    verdict.errors[i] = error
+    verdict.terminated[i] = outcome != 0
+    verdict.outcomes[i] = outcome
+    verdict.elapsed[i] += 1
+    verdict.truncated[i] = verdict.elapsed[i] >= verdict.steps
+
+
+@kernel
+def impossible_batch(states, seas, tasks, diverged):
+    """Mark ships whose state is not finite, or none of a ship; returns how many there are."""
+    count = 0
     for i in range(states.shape[0]):
-        power[i] = shaft_power(n_before[i], flow[i, FLOW_TORQUE])
-        energy[i] += power[i] * dt[i]
-        limit = outcomes[i] == HEADING_LIMIT or outcomes[i] == TRACK_LIMIT
+        s, task = states[i], tasks[i]
+        u_c, v_c = water_velocity(s[PSI], seas[i])
+        u, v, fastest = s[U] - u_c, s[V] - v_c, FASTEST * task.speed
+        total = 0.0
+        for k in range(states.shape[1]):
+            total += s[k]
+        good = u * u + v * v <= fastest * fastest
+        good = good and abs(s[R]) * task.L <= FASTEST_TURN * task.speed and math.isfinite(total)
+        diverged[i] = not good
+        count += 0 if good else 1
+    return count
+
+
+@kernel
+def end_diverged(diverged, tasks, terms, verdict):
+    """End the episodes of the ships marked; their reward is that of failing, without NaN."""
+    last = terms.shape[1] - 1
+    for i in range(len(diverged)):
+        if diverged[i]:
+            terms[i, last] = -tasks[i].termination
+            total = 0.0
+            for k in range(last + 1):
+                total += terms[i, k]
+            verdict.rewards[i] = total
+            verdict.terminated[i] = True
+            verdict.outcomes[i] = DIVERGED
+
+
+@kernel
+def account_batch(states, before, flow, ships, dt, verdict, failed, reached, ledger):
+    """Write what an interval has cost into the ledger.
+
+    Power is that at the start of the interval, of which torque and propeller speed `before` are.
+    Success is to reach the aim of a task that has one, else the end of the episode.
+
+    Parameters
+    ----------
+    dt : ndarray (n,)
+        Control interval [s].
+    failed, reached : ndarray (outcomes,)
+        Which outcomes are failures, and which the aim; none of the latter: a task without.
+    """
+    has_aim = reached.any()
+    for i in range(states.shape[0]):
+        ledger.power[i] = shaft_power(before[i, N], flow[i, FLOW_TORQUE])
+        ledger.energy[i] += ledger.power[i] * dt[i]
+        lost = failed[verdict.outcomes[i]]
         saturated = abs(states[i, DELTA]) >= SATURATED * ships[i].gear.delta_max
-        cost[i] = 1.0 if saturated or limit else 0.0
-        success[i] = outcomes[i] == ARRIVED if must_arrive else truncated[i] and not limit
+        ledger.cost[i] = 1.0 if saturated or lost else 0.0
+        if has_aim:
+            ledger.success[i] = reached[verdict.outcomes[i]]
+        else:
+            ledger.success[i] = verdict.truncated[i] and not lost
 
 
 @kernel

@@ -7,26 +7,48 @@ import math
 from ship_gym.conventions import FORCE_COMPONENTS, PSI, G
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.dynamics import water_velocity
+from ship_gym.tasks.base import Row
 from ship_gym.tasks.bridge import clipped
 
 _FORCES = tuple(
-    (f"{axis}_{name}'", "-", -5.0, 5.0, f"{axis} of {name}, by 1/2 rho L d U0^2{length}")
+    Row(
+        f"{axis}_{name}",
+        f"{axis}_{name}'",
+        "-",
+        -5.0,
+        5.0,
+        f"{axis} of {name}, by 1/2 rho L d U0^2{length}",
+    )
     for name in FORCE_COMPONENTS
     for axis, length in (("X", ""), ("Y", ""), ("N", " L"))
 )
 OBSERVATIONS = (
-    ("u_c / U0", "-", -3.0, 3.0, "current along the bow"),
-    ("v_c / U0", "-", -3.0, 3.0, "current to starboard"),
-    ("u_w / U0", "-", -20.0, 20.0, "mean wind along the bow, over ground"),
-    ("v_w / U0", "-", -20.0, 20.0, "mean wind to starboard, over ground"),
-    ("H_s / d", "-", 0.0, 5.0, "significant wave height"),
-    ("T_p sqrt(g/L) / 2 pi", "-", 0.0, 5.0, "peak period; 0 without waves"),
-    ("sin(mu)", "-", -1.0, 1.0, "of the encounter angle psi - wave_direction_to; 0 without waves"),
-    ("cos(mu)", "-", -1.0, 1.0, "-1 in a head sea, 1 in a following one; 0 without waves"),
+    Row("current_ahead", "u_c / U0", "-", -3.0, 3.0, "current along the bow"),
+    Row("current_to_starboard", "v_c / U0", "-", -3.0, 3.0, "current to starboard"),
+    Row("wind_ahead", "u_w / U0", "-", -20.0, 20.0, "mean wind along the bow, over ground"),
+    Row("wind_to_starboard", "v_w / U0", "-", -20.0, 20.0, "mean wind to starboard, over ground"),
+    Row("wave_height", "H_s / d", "-", 0.0, 5.0, "significant wave height"),
+    Row("wave_period", "T_p sqrt(g/L) / 2 pi", "-", 0.0, 5.0, "peak period; 0 without waves"),
+    Row(
+        "sin_encounter",
+        "sin(mu)",
+        "-",
+        -1.0,
+        1.0,
+        "of the encounter angle psi - wave_direction_to; 0 without waves",
+    ),
+    Row(
+        "cos_encounter",
+        "cos(mu)",
+        "-",
+        -1.0,
+        1.0,
+        "-1 in a head sea, 1 in a following one; 0 without waves",
+    ),
     *_FORCES,
 )
-_LOW = tuple(row[2] for row in OBSERVATIONS)
-_HIGH = tuple(row[3] for row in OBSERVATIONS)
+_LOW = tuple(row.low for row in OBSERVATIONS)
+_HIGH = tuple(row.high for row in OBSERVATIONS)
 _SEA = len(OBSERVATIONS) - len(_FORCES)
 
 

@@ -8,6 +8,7 @@ overflows, and plain Python gives the same bits.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from ship_gym.conventions import PSI, R, U, V, X, Y
 from ship_gym.physics._kernel import kernel
@@ -16,6 +17,20 @@ from ship_gym.physics.waves import WAVE_SWAY, WAVE_SWAY_VELOCITY, WAVE_YAW, WAVE
 
 _WORD = 0xFFFFFFFF
 _PAIRS = 4  # pairs of normal numbers for one interval
+
+
+class Measured(NamedTuple):
+    """Motion as the sensors see it.
+
+    Heading [rad] and yaw rate [rad/s]; velocities through the water [m/s]; position [m].
+    """
+
+    psi: float
+    r: float
+    u: float
+    v: float
+    north: float
+    east: float
 
 
 @kernel
@@ -46,14 +61,13 @@ def measured(state, waves, sea, task, interval):
     waves : ndarray (9,)
         ``physics.waves.WAVE_NAMES``.
     task : record
-        ``tasks.bridge.TASK_DTYPE``.
+        Of the episode, ``tasks.bridge.record_dtype``.
     interval : int
         Intervals sailed since the reset.
 
     Returns
     -------
-    psi, r, u, v, north, east : float
-        Heading [rad] and yaw rate [rad/s]; velocities through the water [m/s]; position [m].
+    Measured
     """
     psi = state[PSI]
     u_c, v_c = water_velocity(psi, sea)
@@ -69,4 +83,4 @@ def measured(state, waves, sea, task, interval):
         if task.position_noise > 0.0:
             a, b = normal_pair(task.noise_key, interval, 2)
             north, east = north + task.position_noise * a, east + task.position_noise * b
-    return psi, r, u, v, north, east
+    return Measured(psi, r, u, v, north, east)

@@ -18,11 +18,10 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError, check_known
-from ship_gym.envs.episodes import N_ACTIONS
 from ship_gym.provenance import atomic_path
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
-from ship_gym.tasks import observations_of
+from ship_gym.tasks.columns import ACTIONS, action_columns, observation_columns
 
 POLICY_FILE = "policy.zip"
 FORMAT = 1
@@ -106,14 +105,14 @@ class SB3Policy:
         ConfigError
             The scenario has other actions or observations than the policy.
         """
-        if N_ACTIONS[scenario.control] != self.n_actions:
-            fitting = [name for name, n in N_ACTIONS.items() if n == self.n_actions]
+        if len(action_columns(scenario)) != self.n_actions:
+            fitting = [name for name, held in ACTIONS.items() if len(held) == self.n_actions]
             raise ConfigError(
                 f"policy {self.name} gives {self.n_actions} action(s), control = "
-                f"{scenario.control!r} takes {N_ACTIONS[scenario.control]}; it was trained for "
+                f"{scenario.control!r} takes {len(action_columns(scenario))}; it was trained for "
                 f"control = {fitting[0]!r}"
             )
-        names = observation_names(scenario.to_dict())
+        names = list(observation_columns(scenario))
         if self.card.get("observations", names) != names:
             raise ConfigError(
                 f"policy {self.name}: trained on {self.card['config']['scenario']['task']!r} with "
@@ -186,19 +185,15 @@ def _normaliser(scaling: dict[str, np.ndarray]) -> Normaliser:
     return Normaliser(scaling["mean"], scaling["scale"], float(scaling["limit"]))
 
 
-def observation_names(scenario: Mapping[str, Any]) -> list[str]:
-    """Symbols of the observation of a scenario, given as ``Scenario.to_dict`` has it."""
-    rows = observations_of(scenario["task"], scenario.get("privileged", False))
-    return [row[0] for row in rows]
-
-
 def _check(policy: SB3Policy, file: Path) -> None:
-    scenario = policy.card.get("config", {}).get("scenario", {"task": "heading_keeping"})
-    names = observation_names(scenario)
-    if policy.card["format"] != FORMAT or policy.card["observations"] != names:
+    if policy.card["format"] != FORMAT:
         raise ConfigError(
-            f"{file}: made for format {policy.card['format']} and observations "
-            f"{policy.card['observations']}; this version has format {FORMAT} and {names}"
+            f"{file}: made for format {policy.card['format']}; this version has format {FORMAT}"
+        )
+    names, width = policy.card["observations"], policy.actor.weights[0].shape[1]
+    if len(names) != width or policy.normaliser.mean.shape != (width,):
+        raise ConfigError(
+            f"{file}: not a policy, or damaged: {len(names)} observations for {width} inputs"
         )
     arrays = (*policy.actor.weights, *policy.actor.biases, policy.normaliser.scale)
     if not all(np.isfinite(a).all() for a in arrays):

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ship_gym.evaluation import metrics_of
+from ship_gym.tasks import TASKS
 from ship_gym_agents.sb3.config import RunConfig
 
 
@@ -26,7 +28,9 @@ def summary(card: Mapping[str, Any], out: str | Path) -> str:
     """How training went, where the policy is and what to do next."""
     best, seconds = card["best"], card["seconds"]
     rate = card["samples"] / seconds
-    name, unit = ("J", "deg2") if "J" in best else ("rms_cross_track", "L")
+    task = card["config"]["scenario"]["task"]
+    name = TASKS[task].headline
+    unit = metrics_of(task)[name].unit
     history = "  ".join(f"{found[name]:.4g}" for found in card["validations"])
     return (
         f"{card['samples']} samples in {seconds:.0f} s, {rate:.0f} per second\n"

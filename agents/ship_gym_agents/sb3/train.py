@@ -21,13 +21,14 @@ from ship_gym.evaluation.metrics import metrics
 from ship_gym.evaluation.rollout import rollout
 from ship_gym.provenance import atomic_path, provenance
 from ship_gym.scenarios.scenario import Scenario
+from ship_gym.tasks import TASKS
+from ship_gym.tasks.columns import observation_columns
 from ship_gym_agents.sb3.budget import Budget
 from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, plain, read_card
 from ship_gym_agents.sb3.policy import (
     POLICY_FILE,
     SB3Policy,
     load_policy,
-    observation_names,
     save_policy,
 )
 
@@ -224,7 +225,7 @@ class _Run:
             "validation_seeds": [VALIDATION_SEED, VALIDATION_SEED + VALIDATION_EPISODES - 1],
             "validations": self.validations,
             "best": max(self.validations, key=lambda found: found["return"]),
-            "observations": observation_names(self.config.scenario.to_dict()),
+            "observations": list(observation_columns(self.config.scenario)),
             **provenance(),
         }
         self.best.card = card
@@ -241,14 +242,12 @@ def validate(policy: SB3Policy, scenario: Scenario) -> dict[str, float]:
     Returns
     -------
     dict
-        ``J`` with lambda = 0.1 [deg2], of tracks ``rms_cross_track`` [L]; ``return`` (sum of
-        rewards) and ``success``.
+        The headline metric of the task, ``return`` (sum of rewards) and ``success``.
     """
     seeds = range(VALIDATION_SEED, VALIDATION_SEED + VALIDATION_EPISODES)
     found = [metrics(episode) for episode in rollout(policy, scenario, seeds=seeds).episodes]
-    error = {"rms_cross_track": "rms_cross_track"} if scenario.on_track else {"J": "J_0.1"}
-    names = {**error, "return": "return", "success": "success"}
-    return {k: float(np.mean([m[name] for m in found])) for k, name in names.items()}
+    names = dict.fromkeys((TASKS[scenario.task].headline, "return", "success"))
+    return {name: float(np.mean([m[name] for m in found])) for name in names}
 
 
 def _compile_kernels(scenario: Scenario) -> None:

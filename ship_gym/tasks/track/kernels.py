@@ -4,40 +4,75 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ship_gym.conventions import DELTA, PSI, U, V, X, Y
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
 from ship_gym.physics.dynamics import water_velocity
-from ship_gym.tasks.bridge import (
-    ARRIVED,
-    COST_TERMS,
-    N_BRIDGE,
-    RUNNING,
-    TRACK_LIMIT,
-    clipped,
-    observe_bridge,
-    reward_terms,
-    settle,
-)
+from ship_gym.tasks.base import RUNNING, Row
+from ship_gym.tasks.bridge import N_BRIDGE, clipped, observe_bridge, settle
+from ship_gym.tasks.rewards import costs
 from ship_gym.tracks.guidance import leg_position, look_ahead_bearing, passed
 
-# after the nine of the bridge; psi_e there is heading - bearing of the active leg
+TRACK_LIMIT, ARRIVED = 2, 3  # outcomes
+# behind those of the bridge; psi_e there is heading - bearing of the active leg
 OBSERVATIONS = (
-    ("e / L", "-", -10.0, 10.0, "cross-track error, positive to starboard of the leg"),
-    ("e_dot / U0", "-", -3.0, 3.0, "its rate: speed over ground across the leg"),
-    ("s / L", "-", -5.0, 50.0, "distance to go along the leg"),
-    ("d_chi / pi", "-", -1.0, 1.0, "course change at its end, positive to starboard; last leg: 0"),
-    ("sin(psi_l)", "-", -1.0, 1.0, "sine of the look-ahead error, heading - line of sight"),
-    ("cos(psi_l)", "-", -1.0, 1.0, "cosine of the look-ahead error"),
+    Row(
+        "cross_track",
+        "e / L",
+        "-",
+        -10.0,
+        10.0,
+        "cross-track error, positive to starboard of the leg",
+    ),
+    Row(
+        "cross_track_rate",
+        "e_dot / U0",
+        "-",
+        -3.0,
+        3.0,
+        "its rate: speed over ground across the leg",
+    ),
+    Row("to_go", "s / L", "-", -5.0, 50.0, "distance to go along the leg"),
+    Row(
+        "next_turn",
+        "d_chi / pi",
+        "-",
+        -1.0,
+        1.0,
+        "course change at its end, positive to starboard; last leg: 0",
+    ),
+    Row(
+        "sin_look_ahead",
+        "sin(psi_l)",
+        "-",
+        -1.0,
+        1.0,
+        "sine of the look-ahead error, heading - line of sight",
+    ),
+    Row("cos_look_ahead", "cos(psi_l)", "-", -1.0, 1.0, "cosine of the look-ahead error"),
 )
-REWARD_TERMS = ("cross_track", *COST_TERMS)
-_LOW = tuple(row[2] for row in OBSERVATIONS)
-_HIGH = tuple(row[3] for row in OBSERVATIONS)
+FIELDS = (
+    ("active", np.int64),  # active leg, and how many way-points there are
+    ("count", np.int64),
+    ("cross_limit", np.float64),  # error that ends the episode [m]
+    ("x_a", np.float64),  # ends of the active leg [m]
+    ("y_a", np.float64),
+    ("x_b", np.float64),
+    ("y_b", np.float64),
+    ("turn", np.float64),  # course change at its end [rad]
+    ("acceptance", np.float64),  # [m]
+    ("look_ahead", np.float64),  # [m]
+)
+_LOW = tuple(row.low for row in OBSERVATIONS)
+_HIGH = tuple(row.high for row in OBSERVATIONS)
+N_TRACK = len(OBSERVATIONS)
 
 
 @kernel
 def observe_batch(states, waves, commands, ships, seas, tasks, elapsed, observations):
-    """Observation of every ship, float32, into the first fifteen columns."""
+    """Observation of every ship, float32, into the columns of bridge and track."""
     for i in range(states.shape[0]):
         seen = observe_bridge(
             states[i], waves[i], commands[i], ships[i], seas[i], tasks[i], elapsed[i],
@@ -53,11 +88,11 @@ def observe_track(seen, state, task, row):
     The rate of the cross-track error is that of a satellite receiver: over ground, exact.
     """
     along, cross, bearing, length = leg_position(
-        seen[4], seen[5], task.x_a, task.y_a, task.x_b, task.y_b
+        seen.north, seen.east, task.x_a, task.y_a, task.x_b, task.y_b
     )
     to_leg = state[PSI] - bearing
     rate = state[U] * math.sin(to_leg) + state[V] * math.cos(to_leg)
-    psi_l = seen[0] - look_ahead_bearing(bearing, cross, task.look_ahead)
+    psi_l = seen.psi - look_ahead_bearing(bearing, cross, task.look_ahead)
     values = (
         cross / task.L,
         rate / task.speed,
@@ -66,7 +101,7 @@ def observe_track(seen, state, task, row):
         math.sin(psi_l),
         math.cos(psi_l),
     )
-    for k in range(6):
+    for k in range(N_TRACK):
         row[N_BRIDGE + k] = clipped(values[k], _LOW[k], _HIGH[k])
 
 
@@ -92,21 +127,20 @@ def off_leg(state, task):
 
 
 @kernel
-def off_leg_batch(which, states, tasks, errors):
+def error_batch(which, states, tasks, errors):
     """Write the cross-track errors [m] of some ships, which are at the start of an episode."""
     for i in which:
         errors[i] = off_leg(states[i], tasks[i])
 
 
 @kernel
-def judge_batch(states, rudder_before, seas, tasks, plans, terms, verdict):
-    """Reward terms (n, 5) and verdict (``bridge.settle``) of the interval just sailed.
+def judge_batch(states, before, seas, tasks, plans, terms, verdict):
+    """Terms (n, 5), error [m] and verdict (``bridge.settle``) of the interval just sailed.
 
     It is judged by the leg that was active during it; then the next leg begins where the ship has
     reached the circle of acceptance or passed the way-point, and the error in the verdict is that
     from this one, as in the observation. Reaching the last way-point ends the episode as arrived.
     """
-    _, _, _, _, _, errors, _ = verdict
     for i in range(states.shape[0]):
         task, psi, delta = tasks[i], states[i, PSI], states[i, DELTA]
         u_c, _ = water_velocity(psi, seas[i])
@@ -118,13 +152,13 @@ def judge_batch(states, rudder_before, seas, tasks, plans, terms, verdict):
         outcome = ARRIVED if reached and last else RUNNING
         if abs(cross) > task.cross_limit:
             outcome = TRACK_LIMIT
-        stroke = delta - rudder_before[i]
-        error = cross / task.L
-        found = reward_terms(error, delta, stroke, states[i, U] - u_c, task, outcome == TRACK_LIMIT)
-        settle(i, cross, found, outcome, verdict, terms)
+        stroke, u, error = delta - before[i, DELTA], states[i, U] - u_c, cross / task.L
+        own = (-task.interval * task.cross_track * error * error,)
+        paid = costs(delta, stroke, u, task, outcome == TRACK_LIMIT)
+        settle(i, cross, own, paid, outcome, verdict, terms)
         if reached and not last:
             sail_leg(task, plans[i], task.active + 1)
-            errors[i] = off_leg(states[i], task)
+            verdict.errors[i] = off_leg(states[i], task)
 
 
 @kernel

@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ship_gym.conventions import DELTA, PSI, U
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
 from ship_gym.physics.dynamics import water_velocity
-from ship_gym.tasks.bridge import (
-    COST_TERMS,
-    HEADING_LIMIT,
-    RUNNING,
-    observe_bridge,
-    reward_terms,
-    settle,
-)
+from ship_gym.tasks.base import RUNNING
+from ship_gym.tasks.bridge import settle
+from ship_gym.tasks.rewards import costs
 
-REWARD_TERMS = ("heading", *COST_TERMS)
+HEADING_LIMIT = 2  # outcome
+FIELDS = (
+    ("active", np.int64),  # number of the order that holds now, and how many there are
+    ("count", np.int64),
+    ("next_change", np.float64),  # interval at which the next order comes
+    ("heading_limit", np.float64),  # error that ends the episode [rad]
+)
 # columns of the plan of an episode: interval from which an order holds, ordered heading [rad]
 FROM, ORDER = 0, 1
-
-
-@kernel
-def observe_batch(states, waves, commands, ships, seas, tasks, elapsed, observations):
-    """Observation of every ship, float32, into the first nine columns."""
-    for i in range(states.shape[0]):
-        observe_bridge(
-            states[i], waves[i], commands[i], ships[i], seas[i], tasks[i], elapsed[i],
-            observations[i],
-        )  # fmt: skip
 
 
 @kernel
@@ -39,21 +32,21 @@ def give_order(task, plan, k):
 
 
 @kernel
-def judge_batch(states, rudder_before, seas, tasks, plans, terms, verdict):
-    """Reward terms (n, 5) and verdict (``bridge.settle``) of the interval just sailed.
+def judge_batch(states, before, seas, tasks, plans, terms, verdict):
+    """Terms (n, 5), error [rad] and verdict (``bridge.settle``) of the interval just sailed.
 
     It is judged by the order that held during it; then the next one is given, if it is its time.
     """
-    _, _, _, elapsed, _, _, _ = verdict
     for i in range(states.shape[0]):
         task, psi, delta = tasks[i], states[i, PSI], states[i, DELTA]
         u_c, _ = water_velocity(psi, seas[i])
         psi_e = wrapped(psi - task.psi_ordered)
         outcome = HEADING_LIMIT if abs(psi_e) > task.heading_limit else RUNNING
-        stroke = delta - rudder_before[i]
-        found = reward_terms(psi_e, delta, stroke, states[i, U] - u_c, task, outcome != RUNNING)
-        settle(i, psi_e, found, outcome, verdict, terms)
-        if 0.0 < task.next_change <= elapsed[i]:
+        stroke, u = delta - before[i, DELTA], states[i, U] - u_c
+        own = (-task.interval * task.heading * psi_e * psi_e,)
+        paid = costs(delta, stroke, u, task, outcome != RUNNING)
+        settle(i, psi_e, own, paid, outcome, verdict, terms)
+        if 0.0 < task.next_change <= verdict.elapsed[i]:
             give_order(task, plans[i], task.active + 1)
 
 
@@ -62,3 +55,10 @@ def begin_batch(which, tasks, plans):
     """Give the first order of some episodes, whose plans are written."""
     for i in which:
         give_order(tasks[i], plans[i], 0)
+
+
+@kernel
+def error_batch(which, states, tasks, errors):
+    """Write the heading errors [rad] of some ships, which are at the start of an episode."""
+    for i in which:
+        errors[i] = wrapped(states[i, PSI] - tasks[i].psi_ordered)

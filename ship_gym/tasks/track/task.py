@@ -1,0 +1,111 @@
+"""Sail a track of way-points."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ship_gym.config import ConfigError
+from ship_gym.conventions import wrap_angle
+from ship_gym.tasks.base import Moment, Outcome, Task, Term
+from ship_gym.tasks.track import NAME, VERSION, kernels
+from ship_gym.tasks.track.metrics import METRICS, measure
+from ship_gym.tasks.track.plan import Tracks
+from ship_gym.tasks.track.section import Limits, Start, TrackRange
+from ship_gym.tracks.guidance import cross_track
+
+
+def fill(scenario, tasks) -> None:
+    """Write limit, circle of acceptance and look-ahead distance [m]."""
+    tasks["cross_limit"] = scenario.limits.cross_track * tasks["L"]
+    tasks["acceptance"] = scenario.track.acceptance * tasks["L"]
+    tasks["look_ahead"] = scenario.track.look_ahead * tasks["L"]
+
+
+def check(scenario) -> None:
+    """Refuse a start beyond the limit."""
+    start, limit = scenario.start.cross_track, scenario.limits.cross_track
+    if start >= limit:
+        raise ConfigError(
+            f"start.cross_track = {start}: must be below limits.cross_track = {limit}"
+        )
+
+
+def info(episodes) -> dict[str, np.ndarray]:
+    """Cross-track error [m] and active leg."""
+    return {"cross_track": episodes.errors, "leg": episodes.tasks["active"]}
+
+
+def columns(recorded, history, plan) -> dict[str, np.ndarray]:
+    """Bearing of the active leg, its number and the errors of a recording."""
+    psi, leg = history["psi_ordered"], history["active"]
+    error = cross_track(plan, leg.astype(int), recorded["x"], recorded["y"])
+    return {
+        "psi_ordered": psi,
+        "psi_error": wrap_angle(recorded["psi"] - psi),
+        "leg": leg,
+        "cross_track_error": error,
+    }
+
+
+def meta(plan) -> dict:
+    """Way-points north, east [m]."""
+    return {"waypoints": plan.tolist()}
+
+
+def scene(episodes, i) -> dict:
+    """Track, active leg and limit for a picture."""
+    task = episodes.tasks[i]
+    return {
+        "psi_ordered": float(task["psi_ordered"]),
+        "track": episodes.plans[i].copy(),
+        "active_leg": int(task["active"]),
+        "cross_track": float(episodes.errors[i]),
+        "cross_track_limit": float(task["cross_limit"]),
+    }
+
+
+def succeeds(scenario) -> str:
+    """What ends an episode as reached."""
+    return f"last way-point reached, within {scenario.track.acceptance:g} L or abeam"
+
+
+def fails(scenario) -> str:
+    """What ends an episode as failed."""
+    return f"cross-track error beyond {scenario.limits.cross_track:g} L"
+
+
+TASK = Task(
+    name=NAME,
+    version=VERSION,
+    title="Sail a track of way-points in a seaway.",
+    sections={"start": Start, "limits": Limits, "track": TrackRange},
+    terms=(Term("cross_track", "(e / L)^2", "Of (e / L)^2."),),
+    observations=kernels.OBSERVATIONS,
+    outcomes=(Outcome("cross-track limit", failed=True), Outcome("arrived", reached=True)),
+    fields=kernels.FIELDS,
+    plan=Tracks,
+    fill=fill,
+    begin=kernels.begin_batch,
+    observe=kernels.observe_batch,
+    judge=kernels.judge_batch,
+    error=kernels.error_batch,
+    sees_position=True,
+    check=check,
+    info=info,
+    info_text="`leg`, the active one, and `cross_track`, the error from it [m], also after a reset",
+    history=("psi_ordered", "active"),
+    columns=columns,
+    meta=meta,
+    metrics=METRICS,
+    measure=measure,
+    headline="rms_cross_track",
+    controllers=("ilos", "los_pid"),
+    scene=scene,
+    succeeds=succeeds,
+    fails=fails,
+    page=Path(__file__).with_name("page.md").read_text(encoding="utf-8"),
+    example={"sea.states": ["ss5"], "duration": 4800.0},
+    moment=Moment("ilos", 0, 700),
+)
