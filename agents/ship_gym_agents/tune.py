@@ -16,10 +16,11 @@ from scipy.optimize import differential_evolution
 
 from ship_gym.config import ConfigError, check_number
 from ship_gym.conventions import DELTA, PSI, wrap_angle
-from ship_gym.evaluation.metrics import control_cost, metrics
+from ship_gym.evaluation.metrics import metrics
 from ship_gym.evaluation.rollout import Rollout, begin, rollout, tuning_seeds
 from ship_gym.provenance import atomic_path, versions
 from ship_gym.ships import load_ship
+from ship_gym.tasks.measures import control_cost
 from ship_gym_agents.pid import PID, Gains, GainsFile, gains_path, load_gains
 from ship_gym_agents.wave_filter import LinearShip, LowPass, Observer, identify
 

@@ -102,13 +102,13 @@ def with_steps(scenario: Scenario, steps: int | None, overrides: Mapping | None)
     Raises
     ------
     ConfigError
-        Not a positive whole number, or a duration that was given too and is another one.
+        Not a positive whole number, or a duration that was given too and is shorter.
     """
     if steps is None:
         return scenario
     if check_number("max_episode_steps", steps, 1, 10**9) != int(steps):
         raise ConfigError(f"max_episode_steps = {steps}: must be a whole number")
-    if "duration" in (overrides or {}) and scenario.steps != steps:
+    if "duration" in (overrides or {}) and steps > scenario.steps:
         raise ConfigError(
             f"max_episode_steps = {steps} and overrides = {{'duration': {scenario.duration:g}}}, "
             f"which is {scenario.steps} steps: give one of them"

@@ -59,14 +59,14 @@ def metrics(trajectory: Trajectory) -> dict[str, float]:
             "rollout.trajectory(0)"
         )
     _check(trajectory)
-    task = trajectory.meta["task"]
-    names, own = metrics_of(task), TASKS[task].measure(trajectory)
-    found = {**own, **measures.common(trajectory)}
-    if set(found) != set(names):
+    names, task = metrics_of(trajectory.meta["task"]), TASKS[trajectory.meta["task"]]
+    own = task.measure(trajectory)
+    if set(own) != set(task.metrics):
         raise ConfigError(
-            f"task {task!r}: `measure` gives {sorted(own)}, `metrics` names "
-            f"{sorted(TASKS[task].metrics)}"
+            f"task {task.name!r}: `measure` gives {sorted(own)}, `metrics` names "
+            f"{sorted(task.metrics)}"
         )
+    found = {**own, **measures.common(trajectory, task)}
     return {name: float(found[name]) for name in names}
 
 

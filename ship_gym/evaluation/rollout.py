@@ -119,12 +119,6 @@ class Rollout:
         return np.array([outcome.failed for outcome in self.task.all_outcomes])[self.outcomes]
 
     @property
-    def succeeded(self) -> np.ndarray:
-        """Whether each episode ended as it should, shape (n,), as ``info["is_success"]``."""
-        reached = np.array([outcome.reached for outcome in self.task.all_outcomes])
-        return reached[self.outcomes] if reached.any() else ~self.failed
-
-    @property
     def episodes(self) -> list[Trajectory]:
         """All episodes as recordings, made anew at each call."""
         return [self.trajectory(i) for i in range(len(self))]
@@ -168,7 +162,6 @@ class Rollout:
             "truncated": not terminated,
             "outcome": outcome if terminated else "end of time",
             "failed": bool(self.failed[i]),
-            "success": bool(self.succeeded[i]),
             **self.task.meta(self.plans[i]),
             **self.provenance,
         }

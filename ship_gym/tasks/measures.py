@@ -17,7 +17,7 @@ import numpy as np
 from ship_gym.physics.propeller import shaft_power
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.simulation import through_water
-from ship_gym.tasks.base import Metric
+from ship_gym.tasks.base import Metric, Task
 from ship_gym.tasks.bridge import SATURATED
 
 SETTLED_DEG = 2.0  # band of the settling time
@@ -43,17 +43,19 @@ COMMON: dict[str, Metric] = {
 # columns and meta that `common` reads
 COLUMNS = ("u", "v", "psi", "delta", "n", "torque", "reward")
 COLUMNS += ("current_speed", "current_direction_to")
-META = ("ship", "config", "failed", "outcome", "success")
+META = ("ship", "config", "failed", "outcome")
 
 
-def common(trajectory: Trajectory) -> dict[str, float]:
-    """Values of `COMMON`."""
+def common(trajectory: Trajectory, task: Task) -> dict[str, float]:
+    """Values of `COMMON` for an episode of a task."""
     meta = trajectory.meta
+    aims = {outcome.name for outcome in task.outcomes if outcome.reached}
+    success = meta["outcome"] in aims if aims else not meta["failed"]
     return {
         **_rudder_use(trajectory),
         "speed_loss": 1.0 - float(np.mean(through_water(trajectory)[0])) / meta["ship"]["speed"],
         "energy": _energy(trajectory),
-        "success": float(meta["success"]),
+        "success": float(success),
         "return": float(trajectory["reward"].sum()),
     }
 

@@ -10,6 +10,7 @@ from ship_gym_agents.reference import Guidance
 
 from ship_gym import load_scenario, load_ship
 from ship_gym.config import ConfigError
+from ship_gym.tasks.columns import observation_columns
 
 GAINS = Gains(K_p=2.0, K_d=2.0, guidance=Guidance(look_ahead=2.5, integral=0.3))
 K, T_NOMOTO = 1.7, 2.3
@@ -31,6 +32,7 @@ def started(controller, acceptance=2.0):
 
 
 def wanted_deg(controller, seen, jump=0.0):
+    seen = observation_columns(load_scenario("track_following")).view(seen)
     return math.degrees(controller._wanted(seen, np.array([jump]))[0])
 
 
@@ -151,5 +153,7 @@ def test_mirrored_tracks_give_mirrored_ways():
 
 
 def test_an_observation_without_a_track_is_refused():
-    with pytest.raises(ConfigError, match=r"ilos steers along tracks: .* 9 columns"):
+    with pytest.raises(ConfigError, match=r"15 columns, an array of shape \(1, 9\) was given"):
         started(ILOS(GAINS)).act(on_leg()[:, :9])
+    with pytest.raises(ConfigError, match="controller ilos needs cross_track, to_go, next_turn"):
+        ILOS(GAINS).reset(1, load_ship("kcs"), load_scenario("heading_keeping"))

@@ -18,8 +18,9 @@ from ship_gym_agents.wave_filter import LinearShip
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController
-from ship_gym.evaluation.metrics import control_cost, metrics
+from ship_gym.evaluation.metrics import metrics
 from ship_gym.evaluation.rollout import rollout
+from ship_gym.tasks.measures import control_cost
 
 SHIP = LinearShip(Y_v=-0.75, Y_r=-0.36, Y_delta=-0.14, N_v=-4.8, N_r=-2.6, N_delta=1.1)
 OBSERVED = {"K_p": 2.5, "K_d": 0.4, "K_v": -4.0, "K_b": 0.8} | {

@@ -78,17 +78,18 @@ def test_pickling_keeps_the_state(env_id):
 def test_docstring_table_is_the_space(env_id):
     env = gym.make(env_id).unwrapped
     rows = re.findall(
-        r"^\| (\d+) \| (\S.*?) \| - \| (-?\d+) \| (\d+) \| (.*?) \|$",
+        r"^\| (\d+) \| `(\w+)` \| (\S.*?) \| - \| (-?\d+) \| (\d+) \| (.*?) \|$",
         inspect.getdoc(type(env)),
         re.M,
     )
     assert len(rows) == env.observation_space.shape[0]
-    for (number, symbol, low, high, meaning), (name, _, lo, hi, text) in zip(
+    for (number, name, symbol, low, high, meaning), row in zip(
         rows, observations_of(env.scenario.task), strict=True
     ):
         i = int(number)
-        assert (symbol, float(low), float(high), meaning) == (name, lo, hi, text)
-        assert env.observation_space.low[i] == lo and env.observation_space.high[i] == hi
+        assert (name, symbol, "-", float(low), float(high), meaning) == tuple(row)
+        assert env.observation_space.low[i] == row.low
+        assert env.observation_space.high[i] == row.high
 
 
 def test_reward_is_the_sum_of_its_terms_and_info_is_complete():
@@ -182,8 +183,8 @@ def test_bad_arguments(arguments, word):
     [
         (np.array([np.nan]), "finite"),
         (np.array([np.inf]), "finite"),
-        (np.zeros(2), r"shape \(1, 2\), allowed is \(1, 1\)"),
-        (0.5, "shape"),
+        (np.zeros(2), r"shape \(2,\), allowed is \(1,\)"),
+        (0.3, r"action = 0.3 has shape \(\), allowed is \(1,\)"),
         (np.array(["left"]), "type"),
     ],
 )

@@ -137,7 +137,7 @@ def test_privileged_observations_are_appended_to_the_others(env_id):
         assert more.observation_space.contains(b)
         action = np.array([math.sin(k)], np.float32)
         (a, *_), (b, *_, info) = plain.step(action), more.step(action)
-    row = dict(zip([row[0] for row in privileged.OBSERVATIONS], b[count:], strict=True))
+    row = dict(zip([row.symbol for row in privileged.OBSERVATIONS], b[count:], strict=True))
     ship = more.unwrapped.ship
     unit = 0.5 * ship.rho * ship.hull.L * ship.hull.d * ship.speed**2
     for name, axes in info["forces"].items():

@@ -8,9 +8,10 @@ from ship_gym_agents.pid import PID, Gains
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController
-from ship_gym.evaluation.metrics import metrics, metrics_of, overshoot, reversals, settling_time
+from ship_gym.evaluation.metrics import metrics, metrics_of
 from ship_gym.evaluation.rollout import rollout
 from ship_gym.recording import Trajectory
+from ship_gym.tasks.measures import overshoot, reversals, settling_time
 
 SPEED, DURATION, LIMIT, HARD_OVER = 8.0, 600.0, 60.0, 35.0
 
@@ -178,5 +179,5 @@ def test_metrics_of_the_file_are_those_of_the_episode(tmp_path):
 
 
 def test_other_recordings_are_refused():
-    with pytest.raises(ConfigError, match=r"'zigzag'.*psi_error"):
+    with pytest.raises(ConfigError, match=r"'zigzag'.*torque.*reward.*meta outcome"):
         metrics(Trajectory({"t": [0.0, 1.0]}, {"task": "zigzag"}))

@@ -1,5 +1,6 @@
 import json
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -113,17 +114,15 @@ def test_a_scenario_file_from_outside(tmp_path):
         ({"sea.states": ["ss9"]}, ["unknown sea state 'ss9'"]),
         ({"sea.states": ["ss4"], "sea.wave_height": 2.0}, ["either the states or the numbers"]),
         ({"sea.wind_encounter_deg": 700.0}, ["sea.wind_encounter_deg = 700"]),
-        ({"reward.cross_track": 1.0}, ["reward.cross_track = 1", "paid for 'heading'"]),
-        ({"task": "track_following"}, ["reward.heading = 1", "paid for 'cross_track'"]),
+        ({"reward.cross_track": 1.0}, ["reward", "unknown key 'cross_track'", "heading"]),
+        ({"start.cross_track": 1.0}, ["start", "unknown key 'cross_track'"]),
+        ({"limits.cross_track": 1.0}, ["limits", "unknown key 'cross_track'"]),
+        ({"course.changes": 2}, ["unknown key 'course'"]),
+        ({"track.legs": 2}, ["unknown key 'track'"]),
         ({"sensors.heading_deg": -0.1}, ["sensors.heading_deg = -0.1"]),
         ({"sensor.noise": True}, ["did you mean 'sensors'"]),
         ({"randomisation.hull_std": 0.5}, ["randomisation.hull_std = 0.5", "0 to 0.3"]),
         ({"failure.rudder_rate": 2.0}, ["failure.rudder_rate = 2", "0 to 1"]),
-        ({"track.kind": "triangle"}, ["unknown kind of track 'triangle'"]),
-        ({"track.kind": "points"}, ["track.kind = 'points'", "0 points"]),
-        ({"track.leg_min": 20.0}, ["track.leg_min = 20"]),
-        ({"course.step_min_deg": 70.0}, ["course.step_min_deg = 70"]),
-        ({"start.cross_track": -1.0}, ["start.cross_track = -1"]),
     ],
 )
 def test_bad_overrides(overrides, words):
@@ -131,6 +130,38 @@ def test_bad_overrides(overrides, words):
         load_scenario("heading_keeping", overrides)
     for word in words:
         assert word in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("task", "overrides", "words"),
+    [
+        ("track_following", {"track.kind": "triangle"}, ["unknown kind of track 'triangle'"]),
+        ("track_following", {"track.kind": "points"}, ["track.kind = 'points'", "0 points"]),
+        ("track_following", {"track.leg_min": 20.0}, ["track.leg_min = 20"]),
+        ("track_following", {"start.cross_track": -1.0}, ["start.cross_track = -1"]),
+        ("track_following", {"start.cross_track": 6.0}, ["start.cross_track = 6", "below"]),
+        ("track_following", {"reward.heading": 1.0}, ["reward", "unknown key 'heading'"]),
+        ("course_changing", {"course.step_min_deg": 70.0}, ["course.step_min_deg = 70"]),
+    ],
+)
+def test_bad_overrides_of_a_task_s_own_keys(task, overrides, words):
+    with pytest.raises(ConfigError) as error:
+        load_scenario(task, overrides)
+    for word in words:
+        assert word in str(error.value)
+
+
+def test_another_task_leaves_behind_what_only_the_old_one_knows():
+    on_track = load_scenario("heading_keeping", {"task": "track_following"})
+    assert not hasattr(on_track.reward, "heading") and on_track.reward.rudder == 0.1
+    assert on_track.limits.cross_track == 5.0 and on_track.start.heading_error_deg == 30.0
+    back = load_scenario({"base": "track_square", "task": "heading_keeping"})
+    assert not hasattr(back, "track") and back.limits.heading_error_deg == 180.0
+
+
+def test_scenarios_of_a_task_can_be_pickled():
+    scenario = load_scenario("track_square")
+    assert pickle.loads(pickle.dumps(scenario)) == scenario
 
 
 def test_unknown_scenario():

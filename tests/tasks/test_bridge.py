@@ -6,28 +6,30 @@ import pytest
 from ship_gym.conventions import N
 from ship_gym.envs.env import ShipEnv
 from ship_gym.tasks import TASKS, observations_of
-from ship_gym.tasks.bridge import N_BRIDGE, N_TERMS, TASK_DTYPE, north_east, reward_terms
+from ship_gym.tasks.bridge import N_BRIDGE, north_east, record_dtype
+from ship_gym.tasks.rewards import COSTS, Costs, costs
 
 
 @pytest.fixture
 def task():
-    record = np.zeros(1, TASK_DTYPE)[0]
+    record = np.zeros(1, record_dtype(TASKS["heading_keeping"]))[0]
     record["speed"], record["interval"], record["rudder_stroke"] = 8.0, 2.0, 0.04
     record["termination"] = 50.0
-    for i, name in enumerate(("error", "rudder", "rudder_rate", "speed_loss")):
+    for i, name in enumerate(("heading", "rudder", "rudder_rate", "speed_loss")):
         record[name] = float(i + 1)
     return record
 
 
-def test_reward_terms_by_hand(task):
-    terms = reward_terms(0.2, -0.3, 0.02, 6.0, task, False)
-    expected = (-2.0 * 0.04, -4.0 * 0.09, -6.0 * 0.25, -8.0 * 0.0625, 0.0)
+def test_cost_terms_by_hand(task):
+    terms = costs(-0.3, 0.02, 6.0, task, False)
+    expected = (-4.0 * 0.09, -6.0 * 0.25, -8.0 * 0.0625, 0.0)
     np.testing.assert_allclose(terms, expected)
+    assert Costs._fields == tuple(term.name for term in COSTS)
 
 
 def test_failing_costs_once_and_speed_gain_is_not_paid(task):
-    terms = reward_terms(-1.01, 0.0, 0.0, 9.0, task, True)
-    assert terms[3] == 0.0 and terms[4] == -50.0
+    terms = costs(0.0, 0.0, 9.0, task, True)
+    assert terms.speed_loss == 0.0 and terms.termination == -50.0
 
 
 def test_north_east():
@@ -39,11 +41,13 @@ def test_north_east():
 
 def test_sizes_of_every_task():
     for name, one in TASKS.items():
-        assert len(one.reward_terms) == N_TERMS
-        assert len(one.observations) == {"track_following": N_BRIDGE + 6}.get(name, N_BRIDGE)
-        assert len(observations_of(name, True)) == len(one.observations) + 26
-        for symbol, _, low, high, meaning in observations_of(name, True):
-            assert symbol and meaning and low < high
+        assert len(one.terms) == 1
+        assert len(one.observations) == {"track_following": 6}.get(name, 0)
+        rows = observations_of(name, True)
+        assert len(rows) == N_BRIDGE + len(one.observations) + 26
+        assert len({row.name for row in rows}) == len(rows)
+        for row in rows:
+            assert row.name.isidentifier() and row.symbol and row.meaning and row.low < row.high
 
 
 def test_power_is_that_of_torque_and_propeller_speed_at_one_instant():

@@ -7,7 +7,7 @@ import pytest
 
 from ship_gym.conventions import PSI
 from ship_gym.envs.env import ShipEnv
-from ship_gym.tasks.heading import FROM, ORDER
+from ship_gym.tasks.heading.kernels import FROM, ORDER
 
 CALM = {"sea.states": [], "sea.gusts": False, "sea.current_speed": 0.0, "sensors.noise": False}
 STEPS = CALM | {

@@ -7,7 +7,8 @@ import pytest
 
 from ship_gym.conventions import PSI, X, Y
 from ship_gym.envs.env import ShipEnv
-from ship_gym.tasks.bridge import ARRIVED, RUNNING, TRACK_LIMIT
+from ship_gym.tasks.base import RUNNING
+from ship_gym.tasks.track.kernels import ARRIVED, TRACK_LIMIT
 
 CALM = {"sea.states": [], "sea.gusts": False, "sea.current_speed": 0.0, "sensors.noise": False}
 STILL = CALM | {"start.heading_error_deg": 0.0, "start.cross_track": 0.0}

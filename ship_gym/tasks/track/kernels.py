@@ -10,12 +10,13 @@ from ship_gym.conventions import DELTA, PSI, U, V, X, Y
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
 from ship_gym.physics.dynamics import water_velocity
-from ship_gym.tasks.base import RUNNING, Row
+from ship_gym.tasks.base import RUNNING, Outcome, Row
 from ship_gym.tasks.bridge import N_BRIDGE, clipped, observe_bridge, settle
 from ship_gym.tasks.rewards import costs
 from ship_gym.tracks.guidance import leg_position, look_ahead_bearing, passed
 
 TRACK_LIMIT, ARRIVED = 2, 3  # outcomes
+OUTCOMES = (Outcome("cross-track limit", failed=True), Outcome("arrived", reached=True))
 # behind those of the bridge; psi_e there is heading - bearing of the active leg
 OBSERVATIONS = (
     Row(

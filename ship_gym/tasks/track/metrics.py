@@ -7,6 +7,7 @@ import numpy as np
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.tasks.base import Metric
 from ship_gym.tasks.measures import rms, sailed_time, to_the_end
+from ship_gym.tasks.track.kernels import OUTCOMES
 from ship_gym.tracks.guidance import cross_track
 
 METRICS: dict[str, Metric] = {
@@ -22,13 +23,12 @@ def measure(trajectory: Trajectory) -> dict[str, float]:
     L = meta["ship"]["L"]
     legs = trajectory["leg"][:-1].astype(int)
     ends = cross_track(np.array(meta["waypoints"]), legs, trajectory["x"][1:], trajectory["y"][1:])
+    arrived = meta["outcome"] == OUTCOMES[-1].name
     judged = to_the_end(trajectory, ends / L, meta["config"]["limits"]["cross_track"])
     return {
         "rms_cross_track": rms(judged),
         "max_cross_track": float(
             max(np.abs(ends).max(), abs(trajectory["cross_track_error"][0])) / L
         ),
-        "voyage_time": float(
-            sailed_time(trajectory) if meta["success"] else meta["config"]["duration"]
-        ),
+        "voyage_time": float(sailed_time(trajectory) if arrived else meta["config"]["duration"]),
     }

@@ -8,7 +8,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import wrap_angle
-from ship_gym.tasks.base import Moment, Outcome, Task, Term
+from ship_gym.tasks.base import Moment, Task, Term
 from ship_gym.tasks.track import NAME, VERSION, kernels
 from ship_gym.tasks.track.metrics import METRICS, measure
 from ship_gym.tasks.track.plan import Tracks
@@ -83,7 +83,7 @@ TASK = Task(
     sections={"start": Start, "limits": Limits, "track": TrackRange},
     terms=(Term("cross_track", "(e / L)^2", "Of (e / L)^2."),),
     observations=kernels.OBSERVATIONS,
-    outcomes=(Outcome("cross-track limit", failed=True), Outcome("arrived", reached=True)),
+    outcomes=kernels.OUTCOMES,
     fields=kernels.FIELDS,
     plan=Tracks,
     fill=fill,

@@ -219,7 +219,7 @@ def test_wall_clock_budget_and_same_seed(tmp_path):
     card = train(tiny(), tmp_path / "timed", minutes=0.02)
     assert 1.0 < card["seconds"] < 10.0 and card["samples"] > 0
     one, two, other = (
-        train(tiny(seed=seed), tmp_path / name, steps=128)["best"]["J"]
+        train(tiny(seed=seed), tmp_path / name, steps=128)["best"]["J_0.1"]
         for name, seed in (("one", 1), ("two", 1), ("other", 2))
     )
     assert one == two != other
