@@ -299,6 +299,12 @@ class Task:
         if set(self.metrics) and self.measure is None:
             raise ConfigError(f"task {self.name!r}: metrics without `measure`, which gives them")
 
+    def __reduce__(self):
+        """Pickle by name: what a task is stands in its module, which the reader has too."""
+        from ship_gym.tasks import TASKS
+
+        return TASKS.__getitem__, (self.name,)
+
     @property
     def class_name(self) -> str:
         """Name of the environment class, ``HeadingKeeping`` of ``heading_keeping``."""

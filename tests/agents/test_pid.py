@@ -18,8 +18,8 @@ MIRROR = np.array([-1, 1, -1, 1, -1, -1, 1, -1, 1])  # of the observation's colu
 GAINS = Gains(K_p=1.0, K_d=1.0, K_i=0.2, K_v=-0.5)
 
 
-def started(controller, count, ship="kcs", **overrides):
-    controller.reset(count, load_ship(ship), load_scenario(overrides=overrides))
+def started(controller, count, ship="kcs", scenario="heading_keeping", **overrides):
+    controller.reset(count, load_ship(ship), load_scenario(scenario, overrides))
     return controller
 
 
@@ -36,8 +36,10 @@ def test_controllers_follow_the_protocol():
         controller = make_controller(name)
         assert isinstance(controller, Controller) and controller.name == name
         for control, n_actions in (("rudder", 1), ("rudder+rpm", 2)):
-            seen = observations(3, columns=15 if name in ("los_pid", "ilos") else 9)
-            action = started(controller, 3, control=control).act(seen)
+            on_track = name in ("los_pid", "ilos")
+            seen = observations(3, columns=15 if on_track else 9)
+            task = "track_following" if on_track else "heading_keeping"
+            action = started(controller, 3, scenario=task, control=control).act(seen)
             assert action.shape == (3, n_actions) and np.abs(action).max() <= 1.0
 
 

@@ -1,0 +1,119 @@
+"""A task of one file: hold a yaw rate, as for a turning trial or a search pattern."""
+
+import dataclasses
+import math
+
+import numpy as np
+
+import ship_gym
+from ship_gym.config import check_fields
+from ship_gym.tasks.api import (
+    DELTA,
+    N_BRIDGE,
+    PSI,
+    RUNNING,
+    Metric,
+    Outcome,
+    R,
+    Row,
+    Task,
+    Term,
+    U,
+    clipped,
+    costs,
+    kernel,
+    measures,
+    observe_bridge,
+    settle,
+    water_velocity,
+)
+
+TOO_FAST = 2  # first outcome of its own
+
+
+@dataclasses.dataclass(frozen=True)
+class YawRate:
+    """The ordered yaw rate.
+
+    Attributes
+    ----------
+    order_deg_s : float
+        Of the ship that sails, positive to starboard.
+    """
+
+    order_deg_s: float = 0.3
+
+    def __post_init__(self):
+        check_fields("yaw_rate", self, {"order_deg_s": (-5.0, 5.0, "deg/s")})
+
+
+@dataclasses.dataclass(frozen=True)
+class Limits:
+    """What ends an episode as failed.
+
+    Attributes
+    ----------
+    error_deg_s : float
+        Error of the yaw rate.
+    """
+
+    error_deg_s: float = 2.0
+
+
+def fill(scenario, tasks):
+    """Order and limit [rad/s] of each ship."""
+    tasks["order"] = math.radians(scenario.yaw_rate.order_deg_s)
+    tasks["limit"] = math.radians(scenario.limits.error_deg_s)
+
+
+@kernel
+def observe(states, waves, commands, ships, seas, tasks, elapsed, observations):
+    """The bridge, then the error of the yaw rate as measured."""
+    for i in range(states.shape[0]):
+        task = tasks[i]
+        seen = observe_bridge(
+            states[i], waves[i], commands[i], ships[i], seas[i], task, elapsed[i], observations[i]
+        )
+        error = (seen.r - task.order) * task.L / task.speed
+        observations[i, N_BRIDGE] = clipped(error, -5.0, 5.0)
+
+
+@kernel
+def judge(states, before, seas, tasks, plans, terms, verdict):
+    """The error squared; too large an error ends the episode."""
+    for i in range(states.shape[0]):
+        task, delta = tasks[i], states[i, DELTA]
+        u_c, _ = water_velocity(states[i, PSI], seas[i])
+        error = states[i, R] - task.order
+        outcome = TOO_FAST if abs(error) > task.limit else RUNNING
+        own = (-task.interval * task.rate_error * error * error,)
+        paid = costs(delta, delta - before[i, DELTA], states[i, U] - u_c, task, outcome != RUNNING)
+        settle(i, error, own, paid, outcome, verdict, terms)
+
+
+def measure(trajectory):
+    """Root mean square of the error over the ends of the intervals."""
+    order = math.radians(trajectory.meta["config"]["yaw_rate"]["order_deg_s"])
+    return {"rms_rate_error": math.degrees(measures.rms(trajectory["r"][1:] - order))}
+
+
+TASK = Task(
+    name="hold_yaw_rate",
+    title="Hold an ordered yaw rate in a seaway.",
+    sections={"yaw_rate": YawRate, "limits": Limits},
+    terms=(
+        Term("rate_error", "(r - r_ordered)^2 [rad2/s2]", "Of (r - r_ordered)^2 [s2/rad2].", 1e4),
+    ),
+    observations=(Row("rate_error", "(r - r_o) L / U0", "-", -5.0, 5.0, "error of the yaw rate"),),
+    outcomes=(Outcome("yaw rate limit", failed=True),),
+    fields=(("order", np.float64), ("limit", np.float64)),
+    fill=fill,
+    observe=observe,
+    judge=judge,
+    metrics={"rms_rate_error": Metric("deg/s", "root mean square of the error", "lower")},
+    measure=measure,
+    headline="rms_rate_error",
+    fails=lambda scenario: f"error of the yaw rate beyond {scenario.limits.error_deg_s:g} deg/s",
+    scenario={"base": "heading_keeping", "duration": 300.0, "start": {"heading_error_deg": 0.0}},
+)
+ship_gym.register_task(TASK)
