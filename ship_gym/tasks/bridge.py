@@ -38,9 +38,9 @@ _LOW = tuple(row.low for row in OBSERVATIONS)
 _HIGH = tuple(row.high for row in OBSERVATIONS)
 
 SATURATED = 0.999  # share of the largest rudder angle that counts as hard over
-# Beyond these a state is none of a ship: speed through the water over U0 and r L / U0. Full ahead
-# the ships of the package reach 1.9 U0, hard over r L / U0 = 1.2.
-FASTEST, FASTEST_TURN = 4.0, 20.0
+# Beyond these, the bounds of the observation, a state is none of a ship: speed through the water
+# over U0 and r L / U0. Full ahead the ships of the package reach 1.95 U0, hard over 0.75.
+FASTEST, FASTEST_TURN = 3.0, 5.0
 
 # What the record of every episode holds; a task adds its own fields and the weights of its terms.
 _COMMON_FIELDS = (
