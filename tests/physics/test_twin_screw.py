@@ -105,6 +105,7 @@ def test_yaw_rate_changes_the_axial_inflow_of_each_rudder():
     assert turning[1] == pytest.approx(same[1], rel=1e-9)
 
 
+@pytest.mark.compiled
 def test_the_calibrated_tactical_diameter():
     """Knight (2021): 3.00 L, measured in waves; N_r of the ship file is calibrated to it."""
     found = turning_circle(SHIP, -D35, 1.11, N)
@@ -131,6 +132,7 @@ def test_yaw_rate_changes_the_axial_inflow_of_each_propeller():
     assert inner == pytest.approx(same, rel=1e-12)
 
 
+@pytest.mark.compiled
 def test_turns_to_port_and_starboard_mirror_each_other():
     starboard, port = (
         turning_circle(SHIP, delta, SHIP.speed, N).trajectory for delta in (D35, -D35)
@@ -141,6 +143,7 @@ def test_turns_to_port_and_starboard_mirror_each_other():
         np.testing.assert_allclose(starboard[name], -port[name], rtol=0, atol=1e-6)
 
 
+@pytest.mark.compiled
 def test_without_propeller_side_force_the_ship_turns_tighter():
     """Knight (2021): yaw rate 15 % too high without K_S; here 10 %, with an estimated hull."""
     table = SHIP.surrogate
