@@ -69,7 +69,7 @@ specs = {name: util.find_spec(name) for name in names}
 here = pathlib.Path(specs["ship_gym"].origin).resolve().parent.parent == pathlib.Path(root)
 sys.exit(not (here and all(specs.values())))' "$ROOT" ship_gym numpy scipy numba gymnasium torch \
         stable_baselines3 sb3_contrib sklearn rerun matplotlib pyproj PIL moviepy \
-        pytest xdist hypothesis 2>/dev/null &&
+        pytest xdist pytest_cov hypothesis 2>/dev/null &&
         [ -x "$VENV/bin/ruff" ] && [ -x "$VENV/bin/lint-imports" ]
 }
 

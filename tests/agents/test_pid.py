@@ -177,3 +177,28 @@ def test_importing_agents_is_light():
     code = "import sys, ship_gym_agents; print({'torch', 'stable_baselines3'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
+
+
+@pytest.mark.parametrize(
+    ("error_deg", "delta_deg"),
+    [(5.0, -5.0), (-5.0, 5.0), (9.9, -9.9), (10.1, -10.0), (40.0, -10.0), (-170.0, 10.0)],
+)
+def test_the_error_is_limited_to_either_side(error_deg, delta_deg):
+    """K_p = 1 and a limit of 10 deg: an error of 40 deg calls for no more rudder than 10 deg."""
+    pid = started(PID(Gains(1.0, 0.0, error_limit=math.radians(10.0))), 1)
+    seen = np.zeros((1, 9))
+    seen[0, :2] = math.sin(math.radians(error_deg)), math.cos(math.radians(error_deg))
+    delta = math.degrees(load_ship("kcs").gear.delta_max * pid.act(seen)[0, 0])
+    assert delta == pytest.approx(delta_deg, rel=1e-6)
+
+
+def test_the_integral_grows_with_the_limited_error():
+    """Error 40 deg, limit 10 deg, K_i = 0.1: 10 deg more rudder after 1 / 0.1 lengths sailed."""
+    pid = started(PID(Gains(0.0, 0.0, 0.1, error_limit=math.radians(10.0))), 1)
+    seen = np.zeros((1, 9))
+    seen[0, :2] = math.sin(math.radians(40.0)), math.cos(math.radians(40.0))
+    ship = load_ship("kcs")
+    steps = round(10.0 * ship.hull.L / ship.speed)  # of 1 s
+    found = [math.degrees(ship.gear.delta_max * pid.act(seen)[0, 0]) for _ in range(steps)]
+    assert found[-1] == pytest.approx(-10.0 * steps * ship.speed / ship.hull.L / 10.0, rel=1e-6)
+    assert found[0] == pytest.approx(found[-1] / steps, rel=1e-6)

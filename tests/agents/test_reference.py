@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from ship_gym_agents.pid import PID, Gains
 from ship_gym_agents.reference import JUMP, Guidance, OrderWatch, Reference, ReferenceModel
-from ship_gym_agents.wave_filter import LinearShip, Observer
+from ship_gym_agents.wave_filter import LinearShip, LowPass, Observer
 
 from ship_gym import load_scenario, load_ship
 from ship_gym.config import ConfigError
@@ -117,3 +117,39 @@ def test_wrong_references_are_refused():
         Reference(1.0, math.nan)
     with pytest.raises(ConfigError, match=r"guidance.look_ahead = 0.0"):
         Guidance(look_ahead=0.0)
+
+
+def changed_orders(pid):
+    """Rudder actions of two episodes whose order changes by +-30 deg after 20 intervals."""
+    pid.reset(2, load_ship("kcs"), load_scenario())
+    rows = []
+    for k in range(60):
+        e = np.radians([2.0, -1.0]) if k < 20 else np.radians([-28.0, 29.0])
+        seen = np.zeros((2, 9))
+        seen[:, 0], seen[:, 1], seen[:, 3] = np.sin(e), np.cos(e), 1.0
+        seen[:, 2] = 0.01 * k, -0.005 * k
+        rows.append(pid.act(seen)[:, 0])
+    return np.array(rows)
+
+
+LINEAR = LinearShip(Y_v=-0.75, Y_r=-0.36, Y_delta=-0.14, N_v=-4.8, N_r=-2.6, N_delta=1.1)
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {"reference": Reference(3.0, 0.4)},
+        {"reference": Reference(3.0, 0.4), "K_i": 0.2},
+        {"reference": Reference(3.0, 0.4), "low_pass": LowPass(0.1, 0.1, 0.1)},
+        {"reference": Reference(3.0, 0.4), "observer": Observer(LINEAR, 0.5, 2.0, 0.8, 0.05, 0.25)},
+        {},
+    ],
+    ids=["reference", "integral", "low pass", "observer", "plain"],
+)
+def test_a_controller_used_twice_gives_the_same_actions(parts):
+    """Reference, watch of the orders, integral and filter begin anew with every reset."""
+    pid = PID(Gains(1.5, 1.0, **parts))
+    first = changed_orders(pid)
+    assert np.array_equal(changed_orders(pid), first)
+    assert np.array_equal(changed_orders(PID(Gains(1.5, 1.0, **parts))), first)
+    assert np.ptp(first) > 0.1

@@ -48,6 +48,7 @@ def sail(ship, n=3, steps=40, sea=SEA, dt=None, seed=5, parallel=False, command=
     return sim
 
 
+@pytest.mark.compiled
 def test_fourth_order_in_time():
     """RK4: errors fall by 16 when the step is halved, where the right-hand side is smooth.
 
@@ -79,6 +80,7 @@ def test_fourth_order_in_time():
     assert (orders > 3.9).all() and (orders < 4.3).all(), (errors, orders)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("name", available_ships())
 def test_longest_step_is_converged(name):
     """Rudder thrown between the stops: the default step against one 16 times finer."""
@@ -99,6 +101,7 @@ def test_longest_step_is_converged(name):
     assert np.hypot(*(coarse[3:5] - fine[3:5])) < 1e-3 * ship.hull.L
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("name", available_ships())
 def test_serial_parallel_and_batch_of_one_are_the_same_bits(name):
     ship = load_ship(name)
@@ -141,6 +144,7 @@ print("waves", sim.state.tobytes().hex(), sim.forces.tobytes().hex(), sim.waves.
 """
 
 
+@pytest.mark.compiled
 def test_compiled_is_the_same_bits_as_python():
     def run(**extra):
         env = {**os.environ, **extra}
@@ -184,6 +188,7 @@ def test_a_uniform_current_only_carries_the_ship_along(kcs_model):
     np.testing.assert_allclose(carried.state[0, [2, 5]], calm.state[0, [2, 5]], atol=1e-6)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("name", available_ships())
 def test_a_ship_left_alone_comes_to_rest(name):
     """From any motion, propeller stopped: the energy falls in every step."""

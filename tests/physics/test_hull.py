@@ -100,6 +100,7 @@ def test_polynomial_rules_in_its_range_and_crossflow_outside():
     assert hull_forces(*state, hull, RHO) == crossflow_forces(*state, hull, RHO)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("name", available_ships())
 def test_no_jump_over_all_drift_angles_and_yaw_rates(name):
     hull = record(name)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ship_gym.physics.dynamics import forces
 from ship_gym.physics.interpolate import cell
 from ship_gym.physics.propeller import advance_ratio
-from ship_gym.physics.rudder import STALL, normal_force, race_speed_squared
+from ship_gym.physics.rudder import STALL, beaufoy, normal_force, race_speed_squared
 from ship_gym.ships import available_ships, load_ship
 from ship_gym.surrogates.regression import Regression
 from tests.conftest import symmetric, tables_of
@@ -119,6 +119,7 @@ def test_rudder_side_force_grows_with_angle_near_amidships(name, beta_deg):
     assert (np.diff(side) > 0.0).all()
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("name", available_ships())
 def test_no_kink_over_rudder_angle_and_drift(name):
     """Largest step of thrust, torque and rudder force halves with the grid: no jump anywhere."""
@@ -141,6 +142,7 @@ def test_no_kink_over_rudder_angle_and_drift(name):
     assert jump([(0.65 + 0.6 * g, 0.2, 0.5) for g in grid]) < 0.62
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("name", available_ships())
 @pytest.mark.parametrize("share", [0.0, 0.5])
 @pytest.mark.parametrize("delta", [0.0, 0.4])
@@ -284,3 +286,22 @@ def test_cell_clamps_and_catches_nan():
     assert cell(0.75, 0.0, 0.5, 5) == (1, 0.5)
     assert cell(math.nan, 0.0, 0.5, 5) == (0, 0.0)
     assert advance_ratio(1.0, 0.0, 0.1) == 10.0 and advance_ratio(0.0, 0.0, 0.1) == 0.0
+
+
+@pytest.mark.parametrize(("U", "sin_delta", "F_N"), [(10.0, 0.5, 76.26e3), (5.0, -1.0, -38.13e3)])
+def test_beaufoys_formula_by_hand(U, sin_delta, F_N):
+    """58.8 * 9.80665 * 2 m2 * (1.15 U)^2 sin(delta): 76.26 kN at 10 m/s and 30 deg."""
+    assert beaufoy(U, sin_delta, 2.0) == pytest.approx(F_N, rel=1e-3)
+
+
+def test_a_rudder_by_beaufoy_has_no_chordwise_force_and_takes_the_speed_only():
+    record, tables = tables_of(load_ship("kcs_model", surrogate="beaufoy"))
+    k, delta = record.rudder, 0.3
+    expected = beaufoy(1.2, math.sin(delta), k.A_R)
+    for motion, n in (((1.2, 0.0, 0.0), 5.0), ((1.2, 0.0, 0.02), 9.0)):
+        _, _, (X, Y, N), flow = forces(motion, (delta, n), record, tables)
+        assert flow[5] == pytest.approx(expected, rel=1e-12)
+        assert X == pytest.approx(-(1.0 - k.t_R) * expected * math.sin(delta), rel=1e-12)
+        assert Y == pytest.approx(-(1.0 + k.a_H) * expected * math.cos(delta), rel=1e-12)
+        lever = (k.x_R + k.a_H * k.x_H) / (1.0 + k.a_H)
+        assert N == pytest.approx(Y * lever, rel=1e-12)

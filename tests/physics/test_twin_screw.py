@@ -105,6 +105,7 @@ def test_yaw_rate_changes_the_axial_inflow_of_each_rudder():
     assert turning[1] == pytest.approx(same[1], rel=1e-9)
 
 
+@pytest.mark.compiled
 def test_the_calibrated_tactical_diameter():
     """Knight (2021): 3.00 L, measured in waves; N_r of the ship file is calibrated to it."""
     found = turning_circle(SHIP, -D35, 1.11, N)
@@ -131,6 +132,7 @@ def test_yaw_rate_changes_the_axial_inflow_of_each_propeller():
     assert inner == pytest.approx(same, rel=1e-12)
 
 
+@pytest.mark.compiled
 def test_turns_to_port_and_starboard_mirror_each_other():
     starboard, port = (
         turning_circle(SHIP, delta, SHIP.speed, N).trajectory for delta in (D35, -D35)
@@ -141,6 +143,7 @@ def test_turns_to_port_and_starboard_mirror_each_other():
         np.testing.assert_allclose(starboard[name], -port[name], rtol=0, atol=1e-6)
 
 
+@pytest.mark.compiled
 def test_without_propeller_side_force_the_ship_turns_tighter():
     """Knight (2021): yaw rate 15 % too high without K_S; here 10 %, with an estimated hull."""
     table = SHIP.surrogate
@@ -167,3 +170,45 @@ def test_torque_is_of_both_and_the_same_at_the_same_thrust():
     flow = forces((1.11, 0.0, 0.0), (0.0, N), RECORD, TABLES)[3]
     efficiency = flow[3] * 1.11 / (2.0 * math.pi * N * flow[4])
     assert 0.6 < efficiency < 0.85
+
+
+@pytest.mark.parametrize("delta_deg", [-20.0, -5.0, 5.0, 20.0])
+def test_normal_force_of_the_port_rudder_adds_to_that_of_the_starboard_one(delta_deg):
+    """Straight ahead both rudders stand alike: twice 1/2 rho A_R f_alpha u_R^2 sin(delta).
+
+    The port rudder is the starboard one of the mirrored ship, at -delta, whose force counts with
+    the other sign.
+    """
+    record, tables = tables_of(load_ship("onrt_model", surrogate="none"))
+    delta = math.radians(delta_deg)
+    motion, drift = (1.11, 0.0, 0.0), (1.11, 0.0)
+    F_N = forces(motion, (delta, N), record, tables)[3][5]
+    one = unit_forces(motion, (delta, N), drift, record, tables)[2][4]
+    assert F_N == pytest.approx(2.0 * one, rel=1e-12)
+    # the inflow from the force itself must be a ship's: between the speed and that of the race
+    rudder = record.rudder
+    u_R = math.sqrt(one / (0.5 * record.rho * rudder.A_R * rudder.f_alpha * math.sin(delta)))
+    assert 1.11 < u_R < 3.0
+    mirrored = forces(motion, (-delta, N), record, tables)[3][5]
+    assert mirrored == pytest.approx(-F_N, rel=1e-12) and F_N * delta > 0.0
+
+
+@pytest.mark.parametrize("motion", [(1.0, 0.1, 0.0), (1.0, -0.2, 0.15), (0.9, 0.15, -0.2)])
+def test_flow_of_the_mirrored_ship_is_mirrored(motion):
+    """J, thrust and torque alike; drift at propeller and rudder and F_N with the other sign."""
+    u, v, r = motion
+    here = forces((u, v, r), (0.3, N), RECORD, TABLES)
+    there = forces((u, -v, -r), (-0.3, N), RECORD, TABLES)
+    sign = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, 1.0]
+    np.testing.assert_allclose(there[3], np.multiply(sign, here[3]), rtol=1e-12, atol=1e-12)
+    for a, b in zip(here[:3], there[:3], strict=True):
+        np.testing.assert_allclose(b, np.multiply(SIGN, a), rtol=1e-9, atol=1e-12)
+    # the drift angles of the centreline: between those of the two sides
+    sides = [
+        unit_forces(m, (d, N), (math.hypot(u, v), math.atan2(-m[1], u)), RECORD, TABLES)[2]
+        for m, d in (((u, v, r), 0.3), ((u, -v, -r), -0.3))
+    ]
+    for k, name in ((1, "beta_P"), (2, "beta_R")):
+        mean = 0.5 * (sides[0][k - 1] - sides[1][k - 1])
+        assert here[3][k] == pytest.approx(mean, rel=1e-12), name
+        assert here[3][k] != 0.0

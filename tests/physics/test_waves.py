@@ -128,6 +128,7 @@ def test_one_wave_gives_its_constant_drift(ship):
         np.testing.assert_allclose(loads(sim, time, BODY)[:3], 1.5**2 * T, rtol=1e-9)
 
 
+@pytest.mark.compiled
 def test_time_mean_of_the_drift_is_that_of_the_spectrum(ship):
     """2 Int S T d omega = sum a^2 T, which `mean` gives at every time."""
     sim = made(ship, irregular_sea(3.0, 9.0, direction_from=1.0))
@@ -140,6 +141,7 @@ def test_time_mean_of_the_drift_is_that_of_the_spectrum(ship):
     np.testing.assert_allclose(mean, expected, rtol=0.05)
 
 
+@pytest.mark.compiled
 def test_motion_is_the_sum_of_response_times_wave_and_its_rate_the_derivative(ship):
     sim = made(ship, SEA)
     T = coefficients(ship, sim, BODY[5], BODY[0])
@@ -182,6 +184,7 @@ def test_off_costs_nothing_and_drift_can_be_switched_off(ship):
     assert none.waves[0, WAVE_YAW] != 0.0
 
 
+@pytest.mark.compiled
 def test_batch_of_one_serial_and_parallel_are_the_same_bits(ship):
     def sailed(n, parallel, seed):
         sim = ShipSim(ship, n, dataclasses.replace(SEA, wind_speed=12.0, gusts=True), parallel)
@@ -212,6 +215,7 @@ def test_ships_with_tables_of_another_length_sail_together():
         assert (alone.state[0] == fleet.state[i]).all(), ship.name
 
 
+@pytest.mark.compiled
 def test_wave_frequency_motion_does_not_enter_the_state(ship):
     """Energy of the integrated heading at the encounter frequency: below 5 % of the wave yaw."""
     sim = made(ship, irregular_sea(4.0, 9.0, direction_from=0.8))

@@ -76,3 +76,40 @@ def test_scaling_down_again_gives_the_model_back():
     assert model.propeller.D == pytest.approx(0.105)
     assert model.scale == pytest.approx(75.2371)
     assert model.surrogate.card["domain"]["S_R"] == pytest.approx(0.0096)
+
+
+@pytest.mark.parametrize(("length", "rho", "limit"), [(6.114, 1000.0, 160.0), (6.114, 500.0, 80.0)])
+def test_torque_limit_goes_with_length_to_the_fourth_and_density(length, rho, limit):
+    """10 N m at 3.057 m in water of 1000 kg/m3: at twice the length 2^4 times as much."""
+    model = load_ship("kcs_model")
+    engine = dataclasses.replace(model.engine, torque_max=10.0)
+    model = dataclasses.replace(model, engine=engine, rho=1000.0)
+    other = scaled(model, length, rho=rho)
+    assert other.engine.torque_max == pytest.approx(limit, rel=1e-12)
+
+
+def test_particulars_of_a_ship_four_times_as_long():
+    """Lengths 4, areas 16, volumes 64, times 2, speeds 2, rates in time 1/2 (rev/s2: 1/4)."""
+    model = load_ship("kcs_model")
+    other = scaled(model, 4.0 * model.hull.L, rho=model.rho, friction_correction=False)
+    for section, name, factor in (
+        ("hull", "B", 4.0),
+        ("hull", "d", 4.0),
+        ("hull", "x_G", 4.0),
+        ("hull", "S", 16.0),
+        ("hull", "volume", 64.0),
+        ("hull", "Y_v", 1.0),
+        ("propeller", "D", 4.0),
+        ("propeller", "x_P", 4.0),
+        ("rudder", "A_R", 16.0),
+        ("rudder", "l_R", 4.0),
+        ("gear", "delta_max", 1.0),
+        ("gear", "rate", 0.5),
+        ("engine", "n_max", 0.5),
+        ("engine", "rate", 0.25),
+        ("engine", "time_constant", 2.0),
+    ):
+        was, found = (getattr(getattr(ship, section), name) for ship in (model, other))
+        assert found == pytest.approx(factor * was, rel=1e-12), f"{section}.{name}"
+        assert was != 0.0 or name == "time_constant", f"{section}.{name}"
+    assert other.speed == pytest.approx(2.0 * model.speed)

@@ -44,6 +44,7 @@ def test_neighbouring_keys_give_other_noise():
     assert len(seen) == 900
 
 
+@pytest.mark.compiled
 def test_python_gives_the_same_bits_and_words_stay_words():
     for key in (0, 1, 2**31, 2**32 - 1):
         assert normal_pair.py_func(key, 599, 2) == normal_pair(key, 599, 2)

@@ -3,13 +3,14 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ship_gym.physics.angles import wrapped
 from ship_gym.tracks import Track
-from ship_gym.tracks.guidance import leg_position, look_ahead_bearing, passed
+from ship_gym.tracks.guidance import cross_track, leg_position, look_ahead_bearing, passed
 
 METRES = st.floats(-1e4, 1e4)
 
@@ -117,6 +118,7 @@ for row in np.random.default_rng(1).normal(0.0, 1e3, (500, 6)).tolist():
 """
 
 
+@pytest.mark.compiled
 def test_compiled_is_the_same_bits_as_python():
     def run(**extra):
         env = {**os.environ, **extra}
@@ -127,3 +129,14 @@ def test_compiled_is_the_same_bits_as_python():
     assert compiled.count("\n") == 500
     assert {line[-1] for line in compiled.splitlines()} == {"0", "1"}
     assert compiled == run(NUMBA_DISABLE_JIT="1")
+
+
+def test_cross_track_of_a_voyage_takes_the_leg_of_each_row():
+    """East for 1000 m, then south: 30 m south of the first leg, 40 m west of the second.
+
+    Both lie to starboard.
+    """
+    points = np.array([[0.0, 0.0], [0.0, 1000.0], [-1000.0, 1000.0]])
+    x, y = np.array([-30.0, -500.0, 20.0]), np.array([400.0, 960.0, 400.0])
+    found = cross_track(points, np.array([0, 1, 0]), x, y)
+    np.testing.assert_allclose(found, [30.0, 40.0, -20.0], atol=1e-9)
