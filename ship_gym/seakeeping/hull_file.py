@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number
+from ship_gym.config import ConfigError, check_known, check_number, read_text
 from ship_gym.seakeeping.hull_checks import check_mesh, check_panels, check_place
 from ship_gym.seakeeping.hull_mesh import HullMesh, starboard_half, welded
 from ship_gym.seakeeping.hull_sections import coarsened
@@ -151,7 +151,7 @@ def read_gdf(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     ConfigError
         Too few numbers, or a higher-order file.
     """
-    lines = Path(path).read_text(encoding="latin-1").splitlines()
+    lines = read_text(path, fallback="latin-1").splitlines()
     try:
         ISX, ISY = (int(float(word)) for word in lines[2].split()[:2])
         count = int(float(lines[3].split()[0]))

@@ -18,9 +18,9 @@ from ship_gym.config import (
     check_number,
     merged,
     nearest,
-    read_csv,
     read_toml,
 )
+from ship_gym.csv_file import read_csv
 from ship_gym.provenance import sha256
 from ship_gym.ships.b_series import b_series
 from ship_gym.ships.estimators import estimated_hull
