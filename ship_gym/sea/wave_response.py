@@ -12,7 +12,7 @@ from ship_gym.config import ConfigError
 from ship_gym.conventions import G
 from ship_gym.sea.components import WaveComponents
 from ship_gym.sea.wave_table import MODES, WaveTable
-from ship_gym.ships.loader import load_ship
+from ship_gym.ships.loader import Named, available_ships, load_ship
 from ship_gym.ships.particulars import Ship
 
 N_WAVE = 6  # numbers of one wave, see ``physics.waves``
@@ -29,9 +29,11 @@ def _table(path: str) -> WaveTable:
 def wave_table_of(ship: Ship) -> WaveTable:
     """Wave table of a ship at any scale; a ship without one is a ConfigError."""
     if not ship.wave_table:
+        named = ship.name if ship.name in available_ships() else "SHIP_FILE"
         raise ConfigError(
-            f"{ship.name} has no wave table; compute it: python scripts/build_wave_table.py "
-            f"--ship {ship.name}"
+            f"{ship.name} has no wave table, which a sea with waves needs; compute it: python "
+            f"scripts/build_wave_table.py --ship {named}, or sail without waves, as in scenario "
+            "'heading_slow_disturbance' or by overrides={'sea.states': [], 'sea.gusts': False}"
         )
     return _table(ship.wave_table)
 
@@ -82,8 +84,8 @@ class ShipWaves:
         return froude, heading, np.asarray(omega, dtype=float) * math.sqrt(self.L / G)
 
 
-def load_wave_table(ship: str) -> ShipWaves:
-    """Wave table of a ship by name or ship file, e.g. ``load_wave_table("kcs").drift(...)``."""
+def load_wave_table(ship: Named | Ship) -> ShipWaves:
+    """Wave table of a ship, by name, ship file or `Ship`: ``load_wave_table("kcs").drift(...)``."""
     found = load_ship(ship)
     return ShipWaves(wave_table_of(found), found.hull.L)
 

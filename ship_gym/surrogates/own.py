@@ -29,6 +29,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError, check_known, check_number
 from ship_gym.csv_file import CsvTable, read_csv
+from ship_gym.ships.loader import Named, bare
 from ship_gym.ships.particulars import Ship
 from ship_gym.surrogates.row_checks import check_columns, check_rows, lines
 from ship_gym.surrogates.samples import LEEWARD, SINGLE, WINDWARD, DataSet
@@ -36,7 +37,7 @@ from ship_gym.surrogates.samples import LEEWARD, SINGLE, WINDWARD, DataSet
 
 def own_data_set(
     path: str | Path,
-    ship: Ship,
+    ship: Named | Ship,
     *,
     delta_deg: float | None = None,
     validation: tuple[int, ...] = (),
@@ -46,7 +47,7 @@ def own_data_set(
     Parameters
     ----------
     path : path-like
-    ship : Ship
+    ship : Ship, or its name or file
         The ship they belong to.
     delta_deg : float, optional
         Size of the rudder angle [deg]; that of the file, else the ship's largest, if omitted.
@@ -64,7 +65,7 @@ def own_data_set(
         With file and line: a wrong or missing unit or column, a number that is none or beyond the
         physical range, a point that is there twice, or a turn to the other side.
     """
-    path = Path(path)
+    path, ship = Path(path), bare(ship)
     rows = read_csv(path)
     beta, thrust = check_columns(rows, path)
     turn = check_known(
