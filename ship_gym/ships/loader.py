@@ -341,6 +341,8 @@ def _open_water(entry: Mapping[str, Any], path: Path, reader: Reader) -> Table:
     if e.points is None:
         raise ConfigError(f"{where}: needs points = 'file.csv' or K_T with K_Q")
     check_number(f"{where}.degree", e.degree, 1, 6)
+    if not (path.parent / e.points).is_file():
+        raise ConfigError(f"{where}.points = {e.points!r}: no such file beside the ship file")
     points = read_csv(path.parent / e.points).require("J", "K_T", "10K_Q")
     J = points.columns["J"]
     K_T = np.polyfit(J, points.columns["K_T"], e.degree)
@@ -355,7 +357,12 @@ def _with_surrogate(ship: Ship, data, folder: Path, name: str, wanted: str | Non
     wanted = wanted or entry.get("default", "none")
     if wanted == "regression":  # the family, beside "gp" and "nn"
         wanted = entry.get("default", "none")
-    check_known(f"surrogate of {name}", wanted, available_surrogates(name))
+    known = available_surrogates(name)
+    if wanted == entry.get("default") and wanted not in known:
+        raise ConfigError(
+            f"{name}: surrogate.default = {wanted!r}: no surrogate_{wanted}.npz beside the file"
+        )
+    check_known(f"surrogate of {name}", wanted, known)
     if wanted == "none":
         return ship
     if wanted == "beaufoy":
