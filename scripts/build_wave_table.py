@@ -7,7 +7,7 @@ from pathlib import Path
 
 from _cli import add_report, need, parser, progress, report_page, run, show
 
-from ship_gym import load_ship
+from ship_gym import available_ships, load_ship
 from ship_gym.config import ConfigError, check_number
 from ship_gym.reports.wave_table import largest_froude
 from ship_gym.sea.wave_table import WaveTable
@@ -18,6 +18,7 @@ from ship_gym.seakeeping.table_checks import compare_with_snnm
 
 EXAMPLES = (
     "python scripts/build_wave_table.py --ship kcs_model --report",
+    "python scripts/build_wave_table.py --ship my_ship.toml  # writes waves_my_ship.npz beside it",
     "python scripts/build_wave_table.py --ship my_ship.toml --mesh my_hull.stl --scale 0.001",
     "python scripts/build_wave_table.py --ship kcs_model --quick --out runs/coarse.npz",
     "python scripts/build_wave_table.py --from runs/waves_kcs_model.npz --report",
@@ -34,7 +35,11 @@ def arguments():
     p.add_argument("--up", default="+z", help="axis of --mesh that points upwards")
     p.add_argument("--midship", type=float, default=0.0, help="midship in --mesh [m], scaled")
     p.add_argument("--waterline", type=float, default=0.0, help="its waterline [m], scaled")
-    p.add_argument("--out", type=Path, help="table file (default runs/waves_<ship>.npz)")
+    p.add_argument(
+        "--out",
+        type=Path,
+        help="table file (default waves_<ship>.npz, beside a ship file or in runs/)",
+    )
     p.add_argument("--quick", action="store_true", help="coarse: 3 speeds, 7 headings, 12 waves")
     p.add_argument("--froude", type=float, help="largest speed (default: what the engine holds)")
     p.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default: cores)")
@@ -55,6 +60,8 @@ def existing(args):
     if args.out or args.quick or args.froude is not None:
         raise ConfigError("--from reads a table: --out, --quick and --froude belong to computing")
     table = WaveTable.load(args.table)
+    if args.ship is None and table.card["ship"] not in available_ships():
+        raise ConfigError(f"{args.table}: made for {table.card['ship']}; name its file with --ship")
     ship = load_ship(args.ship or table.card["ship"])
     if ship.name != table.card["ship"]:
         raise ConfigError(f"{args.table}: made for {table.card['ship']}, not for {ship.name}")
@@ -78,7 +85,9 @@ def computed(args):
     check_number("froude", fastest, 0.0, 0.6)
     grid = (QUICK if args.quick else Grid()).up_to(fastest)
     mesh = hull(args, ship)
-    out = args.out or Path("runs") / f"waves_{ship.name}.npz"
+    # beside a ship file, where the ship finds it
+    own = str(args.ship or "").endswith(".toml")
+    out = args.out or (Path(args.ship).parent if own else Path("runs")) / f"waves_{ship.name}.npz"
     return build(ship, mesh, out, grid, args.jobs, progress), ship, mesh, out
 
 

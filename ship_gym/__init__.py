@@ -1,11 +1,14 @@
 """Ship Gym: environments, simulator and benchmark for ship autopilots.
 
 ``import ship_gym`` registers the Gymnasium ids and is light; everything below loads on first use.
+So does every module: ``ship_gym.manoeuvres`` needs no import of its own.
 """
 
 from __future__ import annotations
 
 import importlib
+import importlib.util
+import pkgutil
 from typing import Any
 
 from ship_gym.envs.registration import ENVIRONMENTS, register_all, register_task
@@ -35,6 +38,7 @@ _PUBLIC = {
     "load_wave_table": "ship_gym.sea.wave_response",
     "scaled": "ship_gym.ships.scaling",
     **{class_name(task): "ship_gym.envs.classes" for task in TASKS},
+    "self_propulsion": "ship_gym.simulation",
 }
 
 __all__ = [*sorted(_PUBLIC), "ENVIRONMENTS", "register_task", "__version__"]
@@ -43,13 +47,17 @@ register_all()
 
 
 def __getattr__(name: str) -> Any:
-    """Load a public name on first use (PEP 562)."""
-    if name not in _PUBLIC:
+    """Load a public name or module on first use (PEP 562)."""
+    if name in _PUBLIC:
+        value = getattr(importlib.import_module(_PUBLIC[name]), name)
+        globals()[name] = value
+        return value
+    path = f"{__name__}.{name}"
+    if name.startswith("_") or not name.isidentifier() or importlib.util.find_spec(path) is None:
         raise AttributeError(f"module 'ship_gym' has no attribute {name!r}")
-    value = getattr(importlib.import_module(_PUBLIC[name]), name)
-    globals()[name] = value
-    return value
+    return importlib.import_module(path)
 
 
 def __dir__() -> list[str]:
-    return sorted(set(globals()) | set(_PUBLIC))
+    modules = {found.name for found in pkgutil.iter_modules(__path__)}
+    return sorted({*globals(), *_PUBLIC, *(name for name in modules if name[0] != "_")})

@@ -1,4 +1,4 @@
-"""Strict loaders: TOML to frozen dataclasses in SI, and CSV files that name their source.
+"""Strict loaders: text files of any encoding, and TOML to frozen dataclasses in SI.
 
 A wrong file is refused before any work starts, with the file, the field, the value and what is
 allowed. Unknown keys name the nearest known one.
@@ -6,6 +6,7 @@ allowed. Unknown keys name the nearest known one.
 
 from __future__ import annotations
 
+import codecs
 import dataclasses
 import difflib
 import math
@@ -103,14 +104,74 @@ def check_fields(section: str, item: object, ranges: dict[str, tuple[float, floa
                 check_number(f"{section}.{name}", number, low, high, unit)
 
 
-def read_toml(path: str | Path) -> dict[str, Any]:
-    """Read a TOML file; a missing or malformed file is a ConfigError with its path."""
+# Byte order marks; the longer ones first, since that of UTF-16 begins that of UTF-32.
+_MARKS = {
+    codecs.BOM_UTF8: "utf-8",
+    codecs.BOM_UTF32_LE: "utf-32-le",
+    codecs.BOM_UTF32_BE: "utf-32-be",
+    codecs.BOM_UTF16_LE: "utf-16-le",
+    codecs.BOM_UTF16_BE: "utf-16-be",
+}
+_WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # xlsx and ods; xls
+
+
+def read_text(path: str | Path, fallback: str | None = None) -> str:
+    r"""Text of a file, its lines ended by ``\n``; every reader of text goes through here.
+
+    A byte order mark (UTF-8, UTF-16, UTF-32) is obeyed and left out; without one the file is in
+    UTF-8.
+
+    Parameters
+    ----------
+    path : path-like
+    fallback : str, optional
+        Encoding of a file that is not in UTF-8. Without it such a file is refused.
+
+    Raises
+    ------
+    ConfigError
+        No such file, one that cannot be read, or not a text file; the message says what to do.
+    """
     path = Path(path)
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        data = path.read_bytes()
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
+    text = _decoded(path, data, fallback)
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _decoded(path: Path, data: bytes, fallback: str | None) -> str:
+    mark = next((mark for mark in _MARKS if data.startswith(mark)), b"")
+    if not mark and data.startswith(_WORKBOOKS):
+        raise ConfigError(f"{path}: a workbook, not a text file; save the sheet as 'CSV UTF-8'")
+    if not mark and b"\0" in data:
+        raise ConfigError(
+            f"{path}: holds zero bytes: not a text file, or UTF-16 without a byte order mark; save "
+            "it as UTF-8"
+        )
+    encoding = _MARKS.get(mark, "utf-8")
+    try:
+        return data[len(mark) :].decode(encoding)
+    except UnicodeDecodeError as error:
+        if not mark and fallback is not None:
+            return data.decode(fallback, errors="replace")
+        line = data[: error.start].count(b"\n") + 1
+        where = f"{path}:{line}" if encoding == "utf-8" else f"{path}"
+        raise ConfigError(
+            f"{where}: not in {encoding.upper()} (byte 0x{data[len(mark) + error.start]:02x}); "
+            "save the file as UTF-8"
+        ) from None
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """Read a TOML file; a missing or malformed file is a ConfigError with its path."""
+    text = read_text(path)
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{path}: not a valid TOML file: {error}") from None
 
 
@@ -182,126 +243,3 @@ def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, A
         nested = isinstance(value, Mapping) and isinstance(old, Mapping)
         result[key] = merged(old, value) if nested else value
     return result
-
-
-@dataclasses.dataclass(frozen=True)
-class CsvTable:
-    """A CSV file with its source header.
-
-    Attributes
-    ----------
-    path : str
-        File name, for messages.
-    header : dict
-        The ``# key: text`` lines; always has title, source, obtained, conventions.
-    columns : dict
-        Name to values: float arrays for columns with a unit, string arrays for the others.
-    units : dict
-        Name to unit text for the columns with a unit.
-    rows : numpy.ndarray
-        Line number in the file of each data row, for messages.
-    """
-
-    path: str
-    header: dict[str, str]
-    columns: dict[str, np.ndarray]
-    units: dict[str, str]
-    rows: np.ndarray
-
-    def require(self, *names: str) -> CsvTable:
-        """Return self if all columns exist, else raise ConfigError that lists what is there."""
-        for name in names:
-            if name not in self.columns:
-                raise ConfigError(f"{self.path}: no column {name!r};{nearest(name, self.columns)}")
-        return self
-
-    def si(self, name: str) -> np.ndarray:
-        """Values of a numeric column in SI (degrees become radians)."""
-        self.require(name)
-        unit = self.units.get(name, "-")
-        if unit not in UNITS:
-            raise ConfigError(f"{self.path}: column {name!r} has unknown unit [{unit}]")
-        return self.columns[name] * UNITS[unit][0]
-
-    def where(self, **conditions: Any) -> CsvTable:
-        """Rows in which every named column equals its value."""
-        self.require(*conditions)
-        mask = np.ones(len(self.rows), dtype=bool)
-        for name, value in conditions.items():
-            mask &= self.columns[name] == value
-        return self.select(mask)
-
-    def select(self, mask: np.ndarray) -> CsvTable:
-        """Rows picked by a boolean mask or an index array."""
-        columns = {name: values[mask] for name, values in self.columns.items()}
-        return dataclasses.replace(self, columns=columns, rows=self.rows[mask])
-
-
-_HEADER_KEYS = ("title", "source", "obtained", "conventions")
-
-
-def read_csv(path: str | Path) -> CsvTable:
-    """Read a CSV file that names its source.
-
-    The file starts with ``# title:``, ``# source:``, ``# obtained:`` and ``# conventions:`` lines,
-    then one row of column names, each with its unit in brackets (``beta [deg]``); a column without
-    a unit holds text.
-
-    Raises
-    ------
-    ConfigError
-        Missing header line, column row or cell, or a number that is none, with its row number.
-    """
-    path = Path(path)
-    if not path.is_file():
-        raise ConfigError(f"{path}: no such file")
-    lines = [
-        (number, line.strip())
-        for number, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), start=1)
-        if line.strip()
-    ]
-    header = _read_header(path, [line for _, line in lines if line.startswith("#")])
-    body = [(number, line.split(",")) for number, line in lines if not line.startswith("#")]
-    if len(body) < 2:
-        raise ConfigError(f"{path}: needs a row of column names with units and at least one row")
-    (line, titles), data = body[0], body[1:]
-    names = [title.strip().partition(" [")[0] for title in titles]
-    if double := sorted({name for name in names if names.count(name) > 1}):
-        raise ConfigError(f"{path}:{line}: column {double[0]!r} is there twice")
-    for number, cells in data:
-        if len(cells) != len(titles):
-            raise ConfigError(f"{path}:{number}: {len(cells)} cells, but {len(titles)} columns")
-    columns, units = {}, {}
-    for i, title in enumerate(titles):
-        name, _, unit = title.strip().partition(" [")
-        cells = [(number, row[i].strip()) for number, row in data]
-        if unit:
-            units[name] = unit.rstrip("]")
-            columns[name] = np.array([_number(path, name, n, cell) for n, cell in cells])
-        else:
-            columns[name] = np.array([cell for _, cell in cells])
-    if not units:
-        raise ConfigError(f"{path}: no column has a unit in brackets, as in 'beta [deg]'")
-    return CsvTable(str(path), header, columns, units, np.array([number for number, _ in data]))
-
-
-def _read_header(path: Path, lines: list[str]) -> dict[str, str]:
-    header = {}
-    for line in lines:
-        key, _, text = line.lstrip("# ").partition(":")
-        header[key.strip().lower()] = text.strip()
-    for key in _HEADER_KEYS:
-        if not header.get(key):
-            needed = ", ".join(f"'# {name}: ...'" for name in _HEADER_KEYS)
-            raise ConfigError(f"{path}: no line '# {key}: ...'; a data file starts with {needed}")
-    return header
-
-
-def _number(path: Path, name: str, row: int, cell: str) -> float:
-    try:
-        value = float(cell)
-    except ValueError:
-        raise ConfigError(f"{path}:{row}: {name} = {cell!r} is not a number") from None
-    if not math.isfinite(value):
-        raise ConfigError(f"{path}:{row}: {name} = {cell} is not finite")
-    return value

@@ -13,6 +13,7 @@ from ship_gym.conventions import PSI
 from ship_gym.provenance import provenance
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.sea.state import CALM, Sea
+from ship_gym.ships.loader import Named, load_ship
 from ship_gym.ships.particulars import Ship, Trial
 from ship_gym.simulation import ShipSim, history_columns, self_propulsion, through_water
 
@@ -102,7 +103,7 @@ class ZigZag:
 
 
 def turning_circle(
-    ship: Ship,
+    ship: Named | Ship,
     delta: float = math.radians(35.0),
     speed: float | None = None,
     n: float | None = None,
@@ -112,7 +113,7 @@ def turning_circle(
 
     Parameters
     ----------
-    ship : Ship
+    ship : str, path or Ship
     delta : float
         Rudder angle [rad], positive to starboard.
     speed : float, optional
@@ -127,6 +128,7 @@ def turning_circle(
     ConfigError
         Rudder beyond the gear's limit or in degrees, or a ship that does not turn.
     """
+    ship = load_ship(ship)
     U0, n = _approach(ship, delta, speed, n)
     if delta == 0.0:
         raise ConfigError("delta = 0: a turning circle needs a rudder angle")
@@ -182,7 +184,7 @@ def _circle_measures(ship: Ship, U0: float, c: dict, trajectory: Trajectory) -> 
 
 
 def zigzag(
-    ship: Ship,
+    ship: Named | Ship,
     delta: float = math.radians(10.0),
     psi: float = math.radians(10.0),
     speed: float | None = None,
@@ -194,7 +196,7 @@ def zigzag(
 
     Parameters
     ----------
-    ship : Ship
+    ship : str, path or Ship
     delta, psi : float
         Rudder angle and heading of the reversals [rad], of one sign.
     speed, n, sea
@@ -208,6 +210,7 @@ def zigzag(
         Angles of different sign or in degrees, rudder beyond the gear's limit, or a heading that is
         not reached.
     """
+    ship = load_ship(ship)
     U0, n = _approach(ship, delta, speed, n)
     check_angle("psi", psi, math.pi / 2)
     if delta * psi <= 0.0:
@@ -317,8 +320,9 @@ def ship_meta(ship: Ship) -> dict[str, Any]:
     }
 
 
-def run_trial(ship: Ship, trial: Trial) -> TurningCircle | ZigZag:
+def run_trial(ship: Named | Ship, trial: Trial) -> TurningCircle | ZigZag:
     """Sail a measured manoeuvre of a ship file."""
+    ship = load_ship(ship)
     delta = math.radians(trial.delta_deg)
     if trial.manoeuvre == "turning_circle":
         return turning_circle(ship, delta, trial.speed, trial.n)
@@ -330,7 +334,7 @@ def run_trial(ship: Ship, trial: Trial) -> TurningCircle | ZigZag:
     )
 
 
-def imo_limits(ship: Ship, speed: float) -> dict[str, float]:
+def imo_limits(ship: Named | Ship, speed: float) -> dict[str, float]:
     """Limits of IMO MSC.137(76) for a ship at an approach speed [m/s].
 
     Returns
@@ -339,6 +343,7 @@ def imo_limits(ship: Ship, speed: float) -> dict[str, float]:
         advance and tactical_diameter [L], first and second 10/10 overshoot and first 20/20
         overshoot [rad]; L/V in full-scale seconds.
     """
+    ship = load_ship(ship)
     t = ship.hull.L / speed * ship.time_unit
     first = 10.0 if t < 10.0 else 20.0 if t >= 30.0 else 5.0 + 0.5 * t
     second = 25.0 if t < 10.0 else 40.0 if t >= 30.0 else 17.5 + 0.75 * t

@@ -30,6 +30,7 @@ from ship_gym.physics.step import see_waves, step_batch, step_batch_parallel
 from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_waves
 from ship_gym.sea.records import Waters, waters
 from ship_gym.sea.state import CALM, Sea
+from ship_gym.ships.loader import Named, load_ship, load_ships
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet
 
@@ -47,7 +48,7 @@ class ShipSim:
 
     Parameters
     ----------
-    ship : Ship or sequence of Ship
+    ship : str, path or Ship, or a sequence of these
         One ship for all, or n ships.
     n : int
         Number of ships.
@@ -78,13 +79,13 @@ class ShipSim:
 
     def __init__(
         self,
-        ship: Ship | Sequence[Ship],
+        ship: Named | Ship | Sequence[Named | Ship],
         n: int = 1,
         sea: Sea | Sequence[Sea] | None = None,
         parallel: bool | None = None,
     ):
         self.n = int(check_number("n", n, 1, 10**7))
-        self.ships = [ship] * self.n if isinstance(ship, Ship) else list(ship)
+        self.ships = load_ships(ship, self.n)
         if len(self.ships) != self.n:
             raise ConfigError(f"{len(self.ships)} ships given for n = {self.n}")
         made = fleet(self.ships)
@@ -300,8 +301,14 @@ def straight_forces(ship: Ship, speed: float, n: float):
     return ship_forces((speed, 0.0, 0.0), (0.0, n), made.records[0], tables)
 
 
-def self_propulsion(ship: Ship, speed: float) -> float:
+def self_propulsion(ship: Named | Ship, speed: float) -> float:
     """Propeller speed [rev/s] at which thrust (1 - t_P) balances resistance at `speed` [m/s].
+
+    Parameters
+    ----------
+    ship : str, path or Ship
+    speed : float
+        Through the water [m/s].
 
     Raises
     ------
@@ -311,6 +318,7 @@ def self_propulsion(ship: Ship, speed: float) -> float:
     check_number("speed", speed, 0.0, 100.0, "m/s")
     if speed == 0.0:
         return 0.0
+    ship = load_ship(ship)
     made = fleet([ship])
     record, tables = made.records[0], (made.water[0], made.deflected[0])
 

@@ -1,7 +1,6 @@
 import dataclasses
 import math
 
-import numpy as np
 import pytest
 
 from ship_gym.config import (
@@ -11,11 +10,9 @@ from ship_gym.config import (
     check_known,
     check_number,
     merged,
-    read_csv,
+    read_text,
     read_toml,
 )
-
-HEADER = "# title: t\n# source: s\n# obtained: o\n# conventions: c\n"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -90,33 +87,47 @@ def test_read_toml_errors_name_the_file(tmp_path):
         read_toml(tmp_path / "bad.toml")
 
 
-def test_read_csv(tmp_path):
-    path = tmp_path / "a.csv"
-    path.write_text(HEADER + "J [-],beta [deg],grid\n0.5,90,G1\n0.6,180,G2\n")
-    table = read_csv(path)
-    assert table.header["source"] == "s"
-    np.testing.assert_allclose(table.si("beta"), [math.pi / 2, math.pi])
-    assert table.where(grid="G2").columns["J"].tolist() == [0.6]
-    assert table.rows.tolist() == [6, 7]
-    with pytest.raises(ConfigError, match=r"no column 'bta'; did you mean 'beta'"):
-        table.require("bta")
+MARKED = ("utf-8-sig", "utf-16", "utf-32")  # Python writes a byte order mark with these
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", *MARKED])
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_toml_of_any_marked_encoding(tmp_path, encoding, end):
+    path = tmp_path / "a.toml"
+    path.write_bytes(f'title = "Müller"{end}L = 7.0{end}'.encode(encoding))
+    assert read_toml(path) == {"title": "Müller", "L": 7.0}
+
+
+@pytest.mark.parametrize("order", ["le", "be"])
+def test_utf_16_of_both_byte_orders(tmp_path, order):
+    path = tmp_path / "a.toml"
+    path.write_bytes("\ufeffL = 7.0\n".encode(f"utf-16-{order}"))
+    assert read_toml(path) == {"L": 7.0}
 
 
 @pytest.mark.parametrize(
-    ("text", "word"),
+    ("data", "words"),
     [
-        ("J [-]\n0.5\n", "# title"),
-        (HEADER.replace("# source: s\n", "") + "J [-]\n0.5\n", "# source"),
-        (HEADER + "J [-]\n", "at least one row"),
-        (HEADER + "J [-],b [-]\n0.5\n", ":6: 1 cells, but 2 columns"),
-        (HEADER + "J [-]\nhalf\n", ":6: J = 'half'"),
-        (HEADER + "J [-]\nnan\n", ":6: J = nan"),
-        (HEADER + "J,b\n0.5,1\n", "unit in brackets"),
+        (b'L = 7.0\ntitle = "M\xfcller"\n', r"a.toml:2: not in UTF-8 \(byte 0xfc\); save the file"),
+        ("L = 7.0\n".encode("utf-16-le"), "zero bytes: .* UTF-16 without a byte order mark; save"),
+        (b"\xff\xfeL\0 ", "not in UTF-16-LE .*; save the file as UTF-8"),
+        (b"PK\x03\x04\0\0", "a workbook, not a text file; save the sheet as 'CSV UTF-8'"),
     ],
 )
-def test_read_csv_refuses(tmp_path, text, word):
+def test_other_bytes_are_refused_with_what_to_do(tmp_path, data, words):
+    path = tmp_path / "a.toml"
+    path.write_bytes(data)
+    with pytest.raises(ConfigError, match=words) as error:
+        read_toml(path)
+    assert "\n" not in str(error.value)
+
+
+def test_read_text_falls_back_only_where_it_may(tmp_path):
     path = tmp_path / "a.csv"
-    path.write_text(text)
-    with pytest.raises(ConfigError) as error:
-        read_csv(path)
-    assert word in str(error.value)
+    path.write_bytes(b"M\xfcller\r\nK\xf6ln\r")
+    text = "Müller\nKöln\n"
+    assert read_text(path, fallback="cp1252") == text
+    with pytest.raises(ConfigError, match="not in UTF-8"):
+        read_text(path)
+    with pytest.raises(ConfigError, match="cannot be read"):
+        read_text(tmp_path)

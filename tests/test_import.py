@@ -1,5 +1,6 @@
 """What `import ship_gym` costs and promises."""
 
+import pkgutil
 import subprocess
 import sys
 
@@ -35,3 +36,30 @@ def test_public_names_exist(name):
 def test_unknown_name():
     with pytest.raises(AttributeError, match="no_such"):
         _ = ship_gym.no_such
+
+
+def modules():
+    return sorted(found.name for found in pkgutil.iter_modules(ship_gym.__path__))
+
+
+@pytest.mark.parametrize("first", ["simulation", "manoeuvres", "physics"])
+def test_every_module_is_there_without_an_import_of_its_own(first):
+    """In a process in which nothing has imported the first of them yet."""
+    code = (
+        f"import ship_gym, sys; assert 'ship_gym.{first}' not in sys.modules\n"
+        f"for name in {[first, *modules()]!r}:\n"
+        "    assert getattr(ship_gym, name) is sys.modules[f'ship_gym.{name}'], name\n"
+        "    assert name in dir(ship_gym), name"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_names_of_a_module_and_of_a_class_differ():
+    """On a disk that ignores case ``ship_gym.Sea`` and ``ship_gym.sea`` are two things still."""
+    assert isinstance(ship_gym.Sea, type) and not isinstance(ship_gym.sea, type)
+    assert ship_gym.Track is ship_gym.tracks.Track
+
+
+def test_private_names_and_files_are_not_loaded():
+    for name in ("_nothing", "__wrapped__", "README", "no.such"):
+        assert not hasattr(ship_gym, name)

@@ -105,7 +105,8 @@ def gains_of(ship: Ship) -> Gains:
     if not path.is_file():
         raise ConfigError(
             f"no PID gains for ship {ship.name!r} (tuned: {', '.join(tuned_ships())}); tune them "
-            "with: python scripts/tune.py --ship NAME_OR_FILE"
+            "with: python scripts/tune.py --ship NAME_OR_FILE --out mine.toml, then take the "
+            "controller 'mine.toml', in Python make_controller('mine.toml')"
         )
     return load_gains(path).gains
 

@@ -296,12 +296,13 @@ def settings(
 
 def is_tuned(ship: str, how: Mapping[str, Any], path: str | Path | None = None) -> bool:
     """Whether a file of gains of this ship by these `settings` and this version is there."""
-    path = gains_path(ship) if path is None else Path(path)
+    name = load_ship(ship).name
+    path = gains_path(name) if path is None else Path(path)
     if not path.is_file():
         return False
     found = load_gains(path)
     same = all(found.tuning.get(key) == value for key, value in how.items())
-    return same and found.ship == ship and found.versions == _versions()
+    return same and found.ship == name and found.versions == _versions()
 
 
 def gains_file(ship: str, ranking: Sequence[Tuned], how: Mapping[str, Any]) -> GainsFile:

@@ -1,7 +1,8 @@
 """The one door to numba: how a kernel is compiled and where its machine code is kept.
 
 numba's disk cache of a function does not notice an edit in another function that it calls. The
-cache folder is therefore named by a hash of every source file that holds kernels.
+cache folder is therefore named by a hash of every source file that holds kernels; where it lies and
+when it is trusted: ``_cache``.
 """
 
 from __future__ import annotations
@@ -9,13 +10,12 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
-import shutil
-import tempfile
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numba
+
+from ship_gym.physics._cache import cache_folder
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _KERNEL_SOURCES = ("conventions.py", "physics/*.py", "tracks/*.py", "tasks/**/*.py")
@@ -30,33 +30,7 @@ def source_hash() -> str:
     return digest.hexdigest()[:16]
 
 
-def _cache_folder() -> str:
-    """Writable folder for the compiled kernels of exactly these sources."""
-    root = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
-    for parent in (root, Path.home() / ".cache", tempfile.gettempdir()):
-        if parent:
-            folder = Path(parent) / "ship_gym" / source_hash()
-            try:
-                folder.mkdir(parents=True, exist_ok=True)
-            except OSError:
-                continue
-            if os.access(folder, os.W_OK):
-                return str(folder)
-    return tempfile.mkdtemp(prefix="ship_gym-")
-
-
-def _forget_old_kernels(folder: str) -> None:
-    """Remove compiled kernels of other sources that nobody has used for a month."""
-    month_ago = time.time() - 30 * 86400.0
-    os.utime(folder)  # "used now"
-    for other in Path(folder).parent.glob("?" * 16):
-        if other.stat().st_mtime < month_ago:
-            shutil.rmtree(other, ignore_errors=True)
-
-
-_CACHE_FOLDER = _cache_folder()
-with contextlib.suppress(OSError):
-    _forget_old_kernels(_CACHE_FOLDER)
+_CACHE_FOLDER = cache_folder(source_hash())
 
 
 @contextlib.contextmanager

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import CsvTable, read_csv
 from ship_gym.conventions import DELTA, FLOW_F_N, FLOW_J, N, R, U, V
+from ship_gym.csv_file import CsvTable, read_csv
 from ship_gym.physics.rudder import beaufoy
 from ship_gym.reports.text import paragraph, percent, table
 from ship_gym.ships.loader import DATA, load_ship

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ship_gym.config import CsvTable, read_csv
+from ship_gym.csv_file import CsvTable, read_csv
 from ship_gym.surrogates.samples import DATA, DataSet
 
 _ERRORS = {"kcs": "kcs_regression_error.csv", "onrt": "onrt_regression_error.csv"}

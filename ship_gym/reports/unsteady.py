@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ship_gym.config import CsvTable, read_csv
+from ship_gym.csv_file import CsvTable, read_csv
 from ship_gym.reports.text import paragraph, table
 from ship_gym.surrogates.unsteady import EARLY_STOPPING, NOISE, OUTPUTS, REGRESSION_ORDER
 

@@ -6,7 +6,8 @@ import dataclasses
 import functools
 from pathlib import Path
 
-from ship_gym.config import ConfigError, read_csv
+from ship_gym.config import ConfigError
+from ship_gym.csv_file import read_csv
 from ship_gym.sea.spectra import WaveSystem
 
 _TABLE = Path(__file__).with_name("sea_states.csv")

@@ -12,12 +12,13 @@ from ship_gym.config import ConfigError
 from ship_gym.conventions import G
 from ship_gym.sea.components import WaveComponents
 from ship_gym.sea.wave_table import MODES, WaveTable
-from ship_gym.ships.loader import load_ship
+from ship_gym.ships.loader import Named, available_ships, load_ship
 from ship_gym.ships.particulars import Ship
 
 N_WAVE = 6  # numbers of one wave, see ``physics.waves``
 N_RESPONSE = 9  # channels of `wave_response`
 SPEED_STEP = 0.05  # of the Froude number
+_SAME_HULL = 0.02  # of B / L and d / L: rounding of printed particulars
 BLANK_RESPONSE = np.zeros((1, 2, 2, 0, N_RESPONSE))
 
 
@@ -27,13 +28,36 @@ def _table(path: str) -> WaveTable:
 
 
 def wave_table_of(ship: Ship) -> WaveTable:
-    """Wave table of a ship at any scale; a ship without one is a ConfigError."""
+    """Wave table of a ship at any scale.
+
+    Raises
+    ------
+    ConfigError
+        The ship has none, or that of a hull of other breadth or draught by its length.
+    """
     if not ship.wave_table:
         raise ConfigError(
-            f"{ship.name} has no wave table; compute it: python scripts/build_wave_table.py "
-            f"--ship {ship.name}"
+            f"{ship.name} has no wave table, which a sea with waves needs; {_remedy(ship)}"
         )
-    return _table(ship.wave_table)
+    table = _table(ship.wave_table)
+    made, h = table.card["made_for"], ship.hull
+    for name in ("B", "d"):
+        given, wanted = made[name] / made["L"], getattr(h, name) / h.L
+        if abs(given / wanted - 1.0) > _SAME_HULL:
+            raise ConfigError(
+                f"{ship.wave_table} was made for {table.card['ship']} with {name} / L = "
+                f"{given:.4f}; {ship.name} has {wanted:.4f}; {_remedy(ship)}"
+            )
+    return table
+
+
+def _remedy(ship: Ship) -> str:
+    named = ship.name if ship.name in available_ships() else "SHIP_FILE"
+    return (
+        f"compute it: python scripts/build_wave_table.py --ship {named}, or sail without waves, as "
+        "in scenario 'heading_slow_disturbance' or by overrides={'sea.states': [], "
+        "'sea.gusts': False}"
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -82,8 +106,8 @@ class ShipWaves:
         return froude, heading, np.asarray(omega, dtype=float) * math.sqrt(self.L / G)
 
 
-def load_wave_table(ship: str) -> ShipWaves:
-    """Wave table of a ship by name or ship file, e.g. ``load_wave_table("kcs").drift(...)``."""
+def load_wave_table(ship: Named | Ship) -> ShipWaves:
+    """Wave table of a ship, by name, ship file or `Ship`: ``load_wave_table("kcs").drift(...)``."""
     found = load_ship(ship)
     return ShipWaves(wave_table_of(found), found.hull.L)
 

@@ -21,8 +21,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number, read_csv
+from ship_gym.config import ConfigError, check_known, check_number
 from ship_gym.conventions import wrap_angle
+from ship_gym.csv_file import read_csv
 from ship_gym.ships.particulars import WindAreas
 from ship_gym.tables import Axis, Table, tabulate
 

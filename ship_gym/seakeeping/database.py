@@ -34,6 +34,7 @@ from ship_gym.seakeeping.radiation_diffraction import (
 )
 from ship_gym.seakeeping.snnm import added_resistance, snnm_hull
 from ship_gym.seakeeping.table_checks import uncertainty
+from ship_gym.ships.loader import Named, load_ship
 from ship_gym.ships.particulars import Ship
 
 _VOLUME_TOLERANCE = 0.05
@@ -308,7 +309,7 @@ def work_name(problem: Problem) -> str:
 
 
 def build(
-    ship: Ship,
+    ship: Named | Ship,
     mesh: HullMesh,
     path: Path,
     grid: Grid = Grid(),
@@ -340,7 +341,7 @@ def build(
     ConfigError
         As in `make_problem`, before any work starts.
     """
-    started = time.monotonic()
+    started, ship = time.monotonic(), load_ship(ship)
     problem = make_problem(ship, mesh, grid)
     snnm = snnm_hull(ship)
     work = path.parent / work_name(problem)

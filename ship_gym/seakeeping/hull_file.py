@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number
+from ship_gym.config import ConfigError, check_known, check_number, read_text
 from ship_gym.seakeeping.hull_checks import check_mesh, check_panels, check_place
 from ship_gym.seakeeping.hull_mesh import HullMesh, starboard_half, welded
 from ship_gym.seakeeping.hull_sections import coarsened
 from ship_gym.seakeeping.hydrostatics import hydrostatics
+from ship_gym.ships.loader import Named, load_ship
 from ship_gym.ships.particulars import Ship
 
 _DIRECTIONS = {"+x": 0, "-x": 0, "+y": 1, "-y": 1, "+z": 2, "-z": 2}
@@ -23,7 +24,7 @@ _TRIMESH = (".stl", ".obj", ".ply", ".off")
 
 def read_hull(
     path: str | Path,
-    ship: Ship,
+    ship: Named | Ship,
     *,
     scale: float = 1.0,
     forward: str = "+x",
@@ -40,7 +41,7 @@ def read_hull(
     path : path-like
         ``.stl``, ``.obj``, ``.ply``, ``.off`` (trimesh), ``.gdf`` (WAMIT), or what meshio reads.
         The surface may reach above the waterline; it is cut there.
-    ship : Ship
+    ship : Ship, or its name or file
         The mesh must have its length, draught and volume.
     scale : float
         Metres of this ship per unit of the file: 0.001 for millimetres, 59.407 for a full-scale
@@ -68,7 +69,7 @@ def read_hull(
         Missing or unreadable file; not watertight; inverted normals; degenerate panels; length,
         draught or volume that are not the ship's, with what to change.
     """
-    path = Path(path)
+    path, ship = Path(path), load_ship(ship)
     check_number("scale", scale, 1e-9, 1e9)
     vertices, faces, note = _read(path)
     points = _turned(np.asarray(vertices, dtype=float) * scale, forward, up, midship, waterline)
@@ -151,7 +152,7 @@ def read_gdf(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     ConfigError
         Too few numbers, or a higher-order file.
     """
-    lines = Path(path).read_text(encoding="latin-1").splitlines()
+    lines = read_text(path, fallback="latin-1").splitlines()
     try:
         ISX, ISY = (int(float(word)) for word in lines[2].split()[:2])
         count = int(float(lines[3].split()[0]))

@@ -24,6 +24,7 @@ from ship_gym.config import ConfigError
 from ship_gym.seakeeping.bulb import Bulb, ship_bulb
 from ship_gym.seakeeping.form_curves import Curve, CurveEnd, fitted_curve
 from ship_gym.seakeeping.hull_mesh import HullMesh, divided, mesh_from_sections
+from ship_gym.ships.loader import Named, load_ship
 from ship_gym.ships.particulars import Ship
 
 STATIONS, GIRTH = 44, 8  # panels along and around the half hull
@@ -190,12 +191,12 @@ def section_outline(b: float, T: float, n: float) -> np.ndarray:
     return np.stack([b * r * s, T * r * c], axis=-1)  # angle 0 is the keel
 
 
-def parametric_mesh(ship: Ship, stations: int = STATIONS, girth: int = GIRTH) -> HullMesh:
+def parametric_mesh(ship: Named | Ship, stations: int = STATIONS, girth: int = GIRTH) -> HullMesh:
     """Panels of the hull that `hull_lines` draws.
 
     Parameters
     ----------
-    ship : Ship
+    ship : Ship, or its name or file
         With a section ``form``.
     stations, girth : int
         Panels along the length and from keel to waterline, of one half; the last four along the
@@ -211,6 +212,7 @@ def parametric_mesh(ship: Ship, stations: int = STATIONS, girth: int = GIRTH) ->
     ConfigError
         As `hull_lines`.
     """
+    ship = load_ship(ship)
     lines = hull_lines(ship, stations - (len(_NOSE) - 1 if ship_bulb(ship) else 0))
     x, points = lines.x, [lines.section(i, girth) for i in range(len(lines.x))]
     if lines.bulb is not None:

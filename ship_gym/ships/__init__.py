@@ -1,6 +1,7 @@
 """Ships: particulars with sources, scaling, and the records that the kernels read."""
 
 from ship_gym.ships.loader import (
+    DATA,
     available_ships,
     available_surrogates,
     available_variants,
@@ -10,6 +11,7 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.ships.scaling import scaled
 
 __all__ = [
+    "DATA",
     "Ship",
     "available_ships",
     "available_surrogates",

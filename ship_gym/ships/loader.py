@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -18,9 +19,9 @@ from ship_gym.config import (
     check_number,
     merged,
     nearest,
-    read_csv,
     read_toml,
 )
+from ship_gym.csv_file import read_csv
 from ship_gym.provenance import sha256
 from ship_gym.ships.b_series import b_series
 from ship_gym.ships.estimators import estimated_hull
@@ -42,6 +43,7 @@ from ship_gym.ships.scaling import scaled
 from ship_gym.tables import Table
 
 DATA = Path(__file__).parent / "data"
+Named = str | os.PathLike  # a ship of the package by name, or a ship file by its path
 _SECTIONS = {
     "hull": Hull,
     "propeller": Propeller,
@@ -73,34 +75,36 @@ def available_ships() -> list[str]:
     return sorted(path.parent.name for path in DATA.glob("*/ship.toml"))
 
 
-def available_variants(name: str) -> list[str]:
+def available_variants(ship: Named) -> list[str]:
     """Hull variants of a ship beside its default, e.g. ``["hull_a", "hull_c"]``."""
-    folder = _folder(name)
-    base = read_toml(_file(name)).get("scaled_from")
-    own = sorted(path.stem for path in folder.glob("hull_*.toml"))
+    path = _file(ship)
+    base = _base(read_toml(path), path)
+    own = sorted(found.stem for found in path.parent.glob("hull_*.toml"))
     return own + (available_variants(base) if base else [])
 
 
-def available_surrogates(name: str) -> list[str]:
+def available_surrogates(ship: Named) -> list[str]:
     """Propeller and rudder surrogates of a ship; ``"none"`` (MMG rudder) and Beaufoy's first."""
-    folder = _folder(name)
-    data = read_toml(_file(name))
-    if "scaled_from" in data:
-        return available_surrogates(data["scaled_from"])
-    twin = "y_P" in data["propeller"]
+    path = _file(ship)
+    data = read_toml(path)
+    if base := _base(data, path):
+        return available_surrogates(base)
+    twin = "y_P" in data.get("propeller", {})
     return [
         *(FORMULAS[:1] if twin else FORMULAS),
-        *sorted(p.stem.removeprefix("surrogate_") for p in folder.glob("surrogate_*.npz")),
+        *sorted(p.stem.removeprefix("surrogate_") for p in path.parent.glob("surrogate_*.npz")),
     ]
 
 
-def load_ship(name: str, *, surrogate: str | None = None, variant: str | None = None) -> Ship:
+def load_ship(
+    name: Named | Ship, *, surrogate: str | None = None, variant: str | None = None
+) -> Ship:
     """Load a ship by name or from a ship file.
 
     Parameters
     ----------
-    name : str
-        One of `available_ships()`, or the path of a ``.toml`` file.
+    name : str, path or Ship
+        One of `available_ships()`, or the path of a ``.toml`` file. A `Ship` is given back.
     surrogate : str, optional
         One of `available_surrogates(name)`; the ship file's default if omitted.
     variant : str, optional
@@ -109,55 +113,95 @@ def load_ship(name: str, *, surrogate: str | None = None, variant: str | None = 
     Returns
     -------
     Ship
-        Everything in SI; ``ship.describe()`` lists the estimated numbers.
+        Everything in SI; ``ship.describe()`` lists the estimated numbers. A file's ship has the
+        name of the file, or of its folder if it is a ``ship.toml``; with ``own_`` before it if
+        that is the name of a ship of the package.
 
     Raises
     ------
     ConfigError
         Unknown name or key (with the nearest one), missing number, wrong unit or value.
     """
-    name = str(name)
-    if name.endswith(".toml"):  # a user's file may change while this process runs
-        return _load.__wrapped__(name, surrogate, variant)
-    return _load(name, surrogate, variant)
+    if isinstance(name, Ship):
+        for what, given in (("surrogate", surrogate), ("variant", variant)):
+            if given is not None:
+                raise ConfigError(f"{what} = {given!r}: the ship given as an object brings its own")
+        return name
+    text = _text(name)
+    if text.endswith(".toml"):  # a user's file may change while this process runs
+        return _load.__wrapped__(text, surrogate, variant)
+    return _load(text, surrogate, variant)
+
+
+def bare(ship: Named | Ship) -> Ship:
+    """Ship without a surrogate, to fit one for it; a `Ship` is given back."""
+    return ship if isinstance(ship, Ship) else load_ship(ship, surrogate="none")
+
+
+def load_ships(ships: Named | Ship | Sequence[Named | Ship], count: int) -> list[Ship]:
+    """`count` ships of one given ship, or of a sequence; each different one is loaded once."""
+    if isinstance(ships, str | os.PathLike | Ship):
+        return [load_ship(ships)] * count
+    given = list(ships)
+    different = {ship if isinstance(ship, str | os.PathLike) else id(ship): ship for ship in given}
+    made = {key: load_ship(ship) for key, ship in different.items()}
+    return [made[ship if isinstance(ship, str | os.PathLike) else id(ship)] for ship in given]
 
 
 @lru_cache(maxsize=32)
 def _load(name: str, surrogate: str | None, variant: str | None) -> Ship:
-    folder = _folder(name)
     path = _file(name)
     data = read_toml(path)
-    if "scaled_from" in data:
-        base = _load(str(data["scaled_from"]), surrogate, variant)
-        ship = _scaled_ship(base, data, path)
+    if base := _base(data, path):
+        ship = _scaled_ship(load_ship(base, surrogate=surrogate, variant=variant), data, path)
     else:
         if variant is not None:
             check_known(f"hull variant of {name}", variant, available_variants(name))
-            data = merged(data, read_toml(folder / f"{variant}.toml"))
+            data = merged(data, read_toml(path.with_name(f"{variant}.toml")))
         ship = _ship(data, path)
-        ship = _with_surrogate(ship, data, folder, name, surrogate)
-    ship = dataclasses.replace(ship, name=_name_of(name))
+        ship = _with_surrogate(ship, data, path.parent, name, surrogate)
+    ship = dataclasses.replace(ship, name=_name_of(path))
     check_sections(ship)
     return ship
 
 
-def _name_of(name: str) -> str:
-    """Name of a ship: its own, or of its file; of the folder where the file is a ship.toml."""
-    path = Path(name)
-    if path.suffix != ".toml":
-        return name
-    return path.resolve().parent.name if path.stem == "ship" else path.stem
+def _text(name: Named) -> str:
+    """Name or path of a ship as text."""
+    if not isinstance(name, str | os.PathLike):
+        raise ConfigError(f"ship = {name!r}: must be a name, the path of a ship file or a Ship")
+    return os.fspath(name)
 
 
-def _file(name: str) -> Path:
+def _name_of(path: Path) -> str:
+    """Name of the ship in a file; not that of a ship of the package, whose gains are not its."""
+    path = path.resolve()
+    name = path.parent.name if path.stem == "ship" else path.stem
+    own = path.parent.parent != DATA.resolve()
+    return f"own_{name}" if own and name in available_ships() else name
+
+
+def _file(name: Named) -> Path:
     """The ship file of a ship of the package, or the one that is named."""
-    if str(name).endswith(".toml"):
+    name = _text(name)
+    if name.endswith(".toml"):
         return Path(name)
+    if len(Path(name).parts) > 1:
+        raise ConfigError(f"ship = {name!r}: a ship file ends in .toml, as in 'mine/ship.toml'")
     return DATA / check_known("ship", name, available_ships()) / "ship.toml"
 
 
-def _folder(name: str) -> Path:
-    return _file(name).parent
+def _base(data: Mapping[str, Any], path: Path) -> str | None:
+    """Name or path of the ship that a file scales; a path counts from the file's folder."""
+    base = data.get("scaled_from")
+    if base is None:
+        return None
+    if not isinstance(base, str):
+        raise ConfigError(f"{path}: scaled_from = {base!r}: must be a name or a ship file")
+    if not base.endswith(".toml"):
+        return base
+    if (path.parent / base).resolve() == path.resolve():
+        raise ConfigError(f"{path}: scaled_from = {base!r}: that is this file")
+    return str(path.parent / base)
 
 
 def _ship(data: Mapping[str, Any], path: Path) -> Ship:
@@ -183,7 +227,7 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
     }
     trials = tuple(build(Trial, trial, f"{path}: trial") for trial in data.get("trial", []))
     return Ship(
-        name=path.parent.name,
+        name=_name_of(path),
         title=data["title"],
         status=data["status"],
         open_water=_open_water(data["open_water"], path, reader),
@@ -199,9 +243,12 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
 
 
 def _wave_table(path: Path) -> str:
-    """Path of the wave table beside a ship file; empty if there is none."""
-    found = path.resolve().with_name("waves.npz")
-    return str(found) if found.is_file() else ""
+    """Path of the wave table beside a ship file, of this ship or of all; empty without one."""
+    for name in (f"waves_{_name_of(path)}.npz", "waves.npz"):
+        found = path.resolve().with_name(name)
+        if found.is_file():
+            return str(found)
+    return ""
 
 
 def _estimated_hull(hull: Mapping[str, Any], length: float, reader: Reader) -> dict[str, Any]:
@@ -294,6 +341,8 @@ def _open_water(entry: Mapping[str, Any], path: Path, reader: Reader) -> Table:
     if e.points is None:
         raise ConfigError(f"{where}: needs points = 'file.csv' or K_T with K_Q")
     check_number(f"{where}.degree", e.degree, 1, 6)
+    if not (path.parent / e.points).is_file():
+        raise ConfigError(f"{where}.points = {e.points!r}: no such file beside the ship file")
     points = read_csv(path.parent / e.points).require("J", "K_T", "10K_Q")
     J = points.columns["J"]
     K_T = np.polyfit(J, points.columns["K_T"], e.degree)
@@ -308,7 +357,12 @@ def _with_surrogate(ship: Ship, data, folder: Path, name: str, wanted: str | Non
     wanted = wanted or entry.get("default", "none")
     if wanted == "regression":  # the family, beside "gp" and "nn"
         wanted = entry.get("default", "none")
-    check_known(f"surrogate of {name}", wanted, available_surrogates(name))
+    known = available_surrogates(name)
+    if wanted == entry.get("default") and wanted not in known:
+        raise ConfigError(
+            f"{name}: surrogate.default = {wanted!r}: no surrogate_{wanted}.npz beside the file"
+        )
+    check_known(f"surrogate of {name}", wanted, known)
     if wanted == "none":
         return ship
     if wanted == "beaufoy":
@@ -335,7 +389,7 @@ def with_beaufoy(ship: Ship) -> Ship:
     )
 
 
-def attach_surrogate(ship: Ship, table: Table, name: str) -> Ship:
+def attach_surrogate(ship: Named | Ship, table: Table, name: str) -> Ship:
     """Ship with a deflected-rudder surrogate, at any scale.
 
     The table's card brings the effective-inflow law that was fitted to the same samples; it
@@ -351,6 +405,7 @@ def attach_surrogate(ship: Ship, table: Table, name: str) -> Ship:
         The table was made for a ship with another propeller, by its diameter over the length, or
         with another number of propellers.
     """
+    ship = load_ship(ship)
     for key in ("made_for", "effective_inflow", "domain"):
         if key not in table.card:
             raise ConfigError(f"surrogate {name}: its card has no {key!r}; fit it again")

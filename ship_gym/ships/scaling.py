@@ -65,7 +65,7 @@ def scaled(
 
     Parameters
     ----------
-    ship : Ship
+    ship : Ship, or its name or file
     length : float
         New length between perpendiculars [m].
     rho, nu : float
@@ -73,6 +73,9 @@ def scaled(
     friction_correction : bool
         False keeps R0' (a self-propelled model without towing force).
     """
+    from ship_gym.ships.loader import load_ship  # late: the loader scales ships
+
+    ship = load_ship(ship)
     ratio = check_number("length", length, 0.1, 1000.0, "m") / ship.hull.L
     hull = dataclasses.replace(scaled_section(ship.hull, ratio), L=float(length))
     speed = ship.speed * math.sqrt(ratio)

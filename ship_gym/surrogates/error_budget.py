@@ -8,7 +8,8 @@ import math
 import numpy as np
 from scipy.special import chdtri
 
-from ship_gym.config import ConfigError, read_csv
+from ship_gym.config import ConfigError
+from ship_gym.csv_file import read_csv
 from ship_gym.surrogates.base import SurrogateModel, mean_size, percent_error
 from ship_gym.surrogates.samples import DataSet
 

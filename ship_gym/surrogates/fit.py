@@ -6,7 +6,8 @@ import dataclasses
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, read_csv
+from ship_gym.config import ConfigError, check_known
+from ship_gym.csv_file import read_csv
 from ship_gym.surrogates.base import SurrogateModel, held_out_score, percent_error
 from ship_gym.surrogates.error_budget import sigma_n
 from ship_gym.surrogates.gaussian_process import GaussianProcess

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ship_gym.provenance import provenance, sha256
+from ship_gym.ships.loader import Named, bare
 from ship_gym.ships.open_water import EPSILON, coefficients, starred
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import CHANNELS, STD_CHANNELS, surrogate_names
@@ -65,13 +66,13 @@ def torque_at_thrust(ship: Ship) -> Callable[[np.ndarray], np.ndarray]:
     return lambda thrust: np.interp(thrust, K_T[falling], K_Q[falling])
 
 
-def table_of(fit: Fit, ship: Ship) -> Table:
+def table_of(fit: Fit, ship: Named | Ship) -> Table:
     """Tabulate fitted models over their box and its margins; the table ends where trust is zero.
 
     Parameters
     ----------
     fit : Fit
-    ship : Ship
+    ship : Ship, or its name or file
         Without surrogate: wake, rudder constants of the law, open water.
 
     Returns
@@ -85,7 +86,7 @@ def table_of(fit: Fit, ship: Ship) -> Table:
     ConfigError
         A quantity varies too fast for the grid.
     """
-    data = fit.data
+    data, ship = fit.data, bare(ship)
     box = dict(zip(("J_min", "J_max", "beta_min", "beta_max"), data.box, strict=True))
     box = {"delta": data.delta, "S_R": ship.rudder.A_R, **box}
     torque = torque_at_thrust(ship)

@@ -1,7 +1,7 @@
 """A user's own samples: a csv file, checked line by line, read as a `DataSet`.
 
-The file starts with the four lines ``# title:``, ``# source:``, ``# obtained:``, ``# conventions:``
-and may add
+Exports of a spreadsheet are read as they are (``csv_file``). The file starts with the four lines
+``# title:``, ``# source:``, ``# obtained:``, ``# conventions:`` and may add
 
 - ``# turn: port`` if the ship turns to port in the samples (default ``starboard``);
 - ``# side force: starboard`` if C_Fy and K_S are positive to starboard (default ``port``);
@@ -27,7 +27,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError, CsvTable, check_known, check_number, read_csv
+from ship_gym.config import ConfigError, check_known, check_number
+from ship_gym.csv_file import CsvTable, read_csv
+from ship_gym.ships.loader import Named, bare
 from ship_gym.ships.particulars import Ship
 from ship_gym.surrogates.row_checks import check_columns, check_rows, lines
 from ship_gym.surrogates.samples import LEEWARD, SINGLE, WINDWARD, DataSet
@@ -35,7 +37,7 @@ from ship_gym.surrogates.samples import LEEWARD, SINGLE, WINDWARD, DataSet
 
 def own_data_set(
     path: str | Path,
-    ship: Ship,
+    ship: Named | Ship,
     *,
     delta_deg: float | None = None,
     validation: tuple[int, ...] = (),
@@ -45,7 +47,7 @@ def own_data_set(
     Parameters
     ----------
     path : path-like
-    ship : Ship
+    ship : Ship, or its name or file
         The ship they belong to.
     delta_deg : float, optional
         Size of the rudder angle [deg]; that of the file, else the ship's largest, if omitted.
@@ -63,7 +65,7 @@ def own_data_set(
         With file and line: a wrong or missing unit or column, a number that is none or beyond the
         physical range, a point that is there twice, or a turn to the other side.
     """
-    path = Path(path)
+    path, ship = Path(path), bare(ship)
     rows = read_csv(path)
     beta, thrust = check_columns(rows, path)
     turn = check_known(
@@ -104,11 +106,7 @@ def _range(x: np.ndarray) -> tuple[float, float]:
 def _delta(rows: CsvTable, ship: Ship, delta_deg: float | None) -> float:
     """Size of the rudder angle [rad]."""
     if delta_deg is None and "delta_deg" in rows.header:
-        try:
-            delta_deg = float(rows.header["delta_deg"])
-        except ValueError:
-            text = rows.header["delta_deg"]
-            raise ConfigError(f"{rows.path}: # delta_deg: {text!r} is not a number") from None
+        delta_deg = rows.number("delta_deg")
     if delta_deg is None:
         return ship.gear.delta_max
     return math.radians(check_number("delta_deg", delta_deg, 1.0, 90.0, "deg"))

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError, CsvTable, check_known, nearest
+from ship_gym.config import ConfigError, check_known, nearest
+from ship_gym.csv_file import CsvTable
 
 # Largest size that a propeller or rudder can have: thrust of a stopped ship is below 1, a stalled
 # plate or a foil stays below 2 by the speed in the race.
@@ -43,7 +44,7 @@ def check_columns(rows: CsvTable, path: Path) -> tuple[str, str]:
     ConfigError
         Missing or unknown column, or a unit that is not allowed, with the line of titles.
     """
-    where = f"{path}:{_title_line(path)}"
+    where = f"{path}:{rows.title_row}"
     for name in rows.columns:
         if name not in UNITS and name not in TEXTS:
             raise ConfigError(f"{where}: unknown column {name!r};{nearest(name, (*UNITS, *TEXTS))}")
@@ -65,14 +66,6 @@ def check_columns(rows: CsvTable, path: Path) -> tuple[str, str]:
     for name in set(rows.columns["set"]) if "set" in rows.columns else ():
         check_known(f"set in {path}", name, SETS)
     return beta, thrust
-
-
-def _title_line(path: Path) -> int:
-    """Line of the column names."""
-    text = path.read_text(encoding="utf-8-sig").splitlines()
-    return next(
-        n for n, x in enumerate(text, start=1) if x.strip() and not x.lstrip().startswith("#")
-    )
 
 
 def _one_of(rows: CsvTable, names: tuple[str, str], where: str) -> str:

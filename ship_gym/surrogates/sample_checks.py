@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ship_gym.config import ConfigError
+from ship_gym.ships.loader import Named, bare
 from ship_gym.ships.open_water import coefficients
 from ship_gym.ships.particulars import Ship
 from ship_gym.surrogates.fit import Options
@@ -27,7 +28,7 @@ _MOST_EFFICIENCY = 1.5  # J K_T / (2 pi K_Q) with the ship's speed; above it K_Q
 
 def check_samples(
     data: DataSet,
-    ship: Ship,
+    ship: Named | Ship,
     options: Options | None = None,
     grid: str | None = None,
     turbulence: str = "",
@@ -37,7 +38,7 @@ def check_samples(
     Parameters
     ----------
     data : DataSet
-    ship : Ship
+    ship : Ship, or its name or file
         Without surrogate.
     options, grid, turbulence
         As in `fit.fit`.
@@ -52,7 +53,7 @@ def check_samples(
     ConfigError
         Too few training points for the model, or points on one line or at the same places.
     """
-    options = options or Options()
+    options, ship = options or Options(), bare(ship)
     if grid is None:
         grid, turbulence = data.choices[0] if data.choices else ("", "")
     found: list[str] = []

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError, CsvTable, check_known, read_csv
+from ship_gym.config import ConfigError, check_known
+from ship_gym.csv_file import CsvTable, read_csv
 
 DATA = Path(__file__).parent / "data"
 SINGLE, LEEWARD, WINDWARD = "single", "leeward", "windward"

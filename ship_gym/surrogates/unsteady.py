@@ -27,7 +27,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, read_csv
+from ship_gym.config import ConfigError, check_known
+from ship_gym.csv_file import read_csv
 from ship_gym.ships.loader import load_ship
 from ship_gym.surrogates.neural_net import Training, network_outputs, train_network
 from ship_gym.surrogates.regression import Regression, features

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known
+from ship_gym.config import ConfigError, check_known, read_text
 from ship_gym.provenance import atomic_path
 from ship_gym.tracks.track import Track, checked_origin, proj_definition
 
@@ -59,9 +59,10 @@ def load_track(source: Track | str | os.PathLike | Sequence | np.ndarray) -> Tra
     if not isinstance(source, str | os.PathLike):
         _check_count(len(source) if isinstance(source, Sequence | np.ndarray) else 0)
         return _near(Track(source))
-    path = _known_file(source)
+    path = _known_suffix(source)
+    text = read_text(path)
     try:
-        return _near(_track_of(_parsed(path)))
+        return _near(_track_of(_parsed(text)))
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}") from None
 
@@ -131,18 +132,11 @@ def _known_suffix(path: str | os.PathLike) -> Path:
     return path
 
 
-def _known_file(path: str | os.PathLike) -> Path:
-    path = _known_suffix(path)
-    if not path.is_file():
-        raise ConfigError(f"{path}: no such file")
-    return path
-
-
-def _parsed(path: Path) -> dict[str, Any]:
+def _parsed(text: str) -> dict[str, Any]:
     """Top-level object of a JSON file."""
     try:
-        data = json.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError, RecursionError) as error:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
         raise ConfigError(f"not a readable JSON file: {error}") from None
     if not isinstance(data, dict) or "type" not in data:
         raise ConfigError('not GeoJSON: no object with a "type"')

@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from ship_gym.config import ConfigError, read_csv
+from ship_gym.config import ConfigError
+from ship_gym.csv_file import read_csv
 from ship_gym.plotting.loading import plot_loading, propeller_loading, straight_ahead
 from ship_gym.reports.case import sail
 from ship_gym.reports.manoeuvre import title

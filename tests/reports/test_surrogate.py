@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from ship_gym.config import read_csv
+from ship_gym.csv_file import read_csv
 from ship_gym.reports import surrogate as report
 from ship_gym.reports.page import plain_text
 from ship_gym.reports.surrogate_sections import provenance, sections

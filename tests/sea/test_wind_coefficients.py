@@ -4,7 +4,8 @@ import math
 import numpy as np
 import pytest
 
-from ship_gym.config import ConfigError, read_csv
+from ship_gym.config import ConfigError
+from ship_gym.csv_file import read_csv
 from ship_gym.sea.wind_coefficients import (
     _DATA,
     WindAreas,

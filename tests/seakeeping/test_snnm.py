@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ship_gym.config import ConfigError, read_csv
+from ship_gym.config import ConfigError
+from ship_gym.csv_file import read_csv
 from ship_gym.seakeeping import snnm
 from ship_gym.seakeeping.snnm import SnnmHull, added_resistance, snnm_hull
 from ship_gym.ships import load_ship

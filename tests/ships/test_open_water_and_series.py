@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from ship_gym.config import read_csv
+from ship_gym.csv_file import read_csv
 from ship_gym.ships import load_ship
 from ship_gym.ships.b_series import b_series
 from ship_gym.ships.loader import DATA

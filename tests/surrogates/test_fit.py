@@ -6,7 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from ship_gym.config import ConfigError, read_csv
+from ship_gym.config import ConfigError
+from ship_gym.csv_file import read_csv
 from ship_gym.reports.surrogate import SHIPPED
 from ship_gym.reports.surrogate_printed import printed_errors
 from ship_gym.ships import load_ship

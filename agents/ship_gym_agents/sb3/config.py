@@ -8,7 +8,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, build, check_known, check_number, merged, read_toml
+from ship_gym.config import (
+    ConfigError,
+    build,
+    check_known,
+    check_number,
+    merged,
+    read_text,
+    read_toml,
+)
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
@@ -250,10 +258,10 @@ def load_config(out: str | Path) -> RunConfig:
 def read_card(out: Path) -> dict[str, Any]:
     """Card of the run in a folder, or a ConfigError."""
     file = out / CARD_FILE
+    if not file.is_file():
+        raise ConfigError(f"{out}: no run to resume here (no {CARD_FILE})")
     try:
-        return json.loads(file.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise ConfigError(f"{out}: no run to resume here (no {CARD_FILE})") from None
+        return json.loads(read_text(file))
     except json.JSONDecodeError as error:
         raise ConfigError(f"{file}: not valid JSON: {error}") from None
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
 from ship_gym.config import ConfigError
@@ -133,8 +134,12 @@ class ShipVecEnv(VecEnv):
         return [result] * self.num_envs
 
     def env_is_wrapped(self, wrapper_class: type, indices=None) -> list[bool]:
-        """No environment is wrapped: there is one batch, not n environments."""
-        return [False for _ in self._get_indices(indices)]
+        """True for stable-baselines3's ``Monitor`` only, whose statistics the infos hold.
+
+        ``evaluate_policy`` then takes the return of an episode from there, not from rewards that
+        ``VecNormalize`` has scaled. No environment is wrapped: there is one batch.
+        """
+        return [wrapper_class is Monitor for _ in self._get_indices(indices)]
 
     def get_images(self):
         """No pictures; recordings are the way to look at a rollout."""

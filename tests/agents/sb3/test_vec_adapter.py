@@ -1,3 +1,4 @@
+import math
 import warnings
 
 import gymnasium as gym
@@ -13,8 +14,9 @@ pytest.importorskip("stable_baselines3")
 from ship_gym_agents.sb3.vec_adapter import ShipVecEnv
 from stable_baselines3 import PPO
 from stable_baselines3.common.env_checker import check_env
+from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
-from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor, VecNormalize
+from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack, VecMonitor, VecNormalize
 
 N = 3
 # a narrow limit, so that episodes end both ways
@@ -86,7 +88,9 @@ def test_attributes_and_methods():
     env = ShipVecEnv(N, overrides=SHORT)
     assert env.get_attr("scenario", indices=[0, 2]) == [env.env.scenario] * 2
     assert env.render_mode is None and env.render() is None
-    assert env.env_is_wrapped(Monitor) == [False] * N
+    assert env.env_is_wrapped(Monitor) == [True] * N
+    assert env.env_is_wrapped(Monitor, indices=[0]) == [True]
+    assert env.env_is_wrapped(gym.Wrapper) == [False] * N
     env.set_attr("note", "x")
     assert env.get_attr("note") == ["x"] * N
     assert env.env_method("_seeds", 3) == [[3, 4, 5]] * N
@@ -103,6 +107,51 @@ def test_learns_under_vec_normalize():
     model = PPO("MlpPolicy", env, n_steps=16, batch_size=32, seed=0, device="cpu")
     model.learn(128)
     assert model.num_timesteps == 128 and len(model.ep_info_buffer) >= 4
+
+
+class HardOver:
+    """A policy in the form that stable-baselines3 evaluates: a constant rudder."""
+
+    def predict(self, observations, state=None, episode_start=None, deterministic=True):
+        return np.full((len(observations), 1), 0.4, dtype=np.float32), state
+
+
+def sailed_by_hand(seeds, action):
+    """Return and length of an episode for each seed, in scalar environments."""
+    found = []
+    for seed in seeds:
+        env = ShipEnv(overrides=SHORT)
+        env.reset(seed=seed)
+        rewards, over = [], False
+        while not over:
+            _, reward, terminated, truncated, _ = env.step(action)
+            rewards.append(reward)
+            over = terminated or truncated
+        found.append((math.fsum(rewards), len(rewards)))
+    return found
+
+
+WRAPPED = {
+    "bare": lambda env: env,
+    "VecNormalize": VecNormalize,
+    "VecFrameStack": lambda env: VecFrameStack(env, 3),
+    "VecNormalize, VecFrameStack": lambda env: VecFrameStack(VecNormalize(env), 2),
+    "VecMonitor, VecNormalize": lambda env: VecNormalize(VecMonitor(env)),
+}
+
+
+@pytest.mark.parametrize("name", WRAPPED)
+@pytest.mark.filterwarnings("ignore:The environment is already wrapped:UserWarning")
+def test_evaluate_policy_gives_the_raw_returns(name):
+    env = WRAPPED[name](ShipVecEnv(N, overrides=SHORT))
+    env.seed(11)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # also SB3's of a missing Monitor
+        returns, lengths = evaluate_policy(HardOver(), env, N, return_episode_rewards=True)
+    expected = sailed_by_hand(range(11, 11 + N), np.array([0.4], dtype=np.float32))
+    # the order of evaluate_policy is that in which the episodes end
+    assert sorted(lengths) == sorted(length for _, length in expected)
+    assert sorted(returns) == pytest.approx(sorted(total for total, _ in expected), rel=1e-6)
 
 
 def test_sb3_accepts_the_scalar_environment_without_warnings():
