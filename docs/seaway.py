@@ -8,16 +8,12 @@ from pathlib import Path
 import numpy as np
 from ship_gym_agents.pid import PID
 
+from reproduce.headings import HeadingRun, bow_to_waves, plot_headings
 from ship_gym import load_ship
 from ship_gym.conventions import KNOT, G, N
 from ship_gym.evaluation import rollout
 from ship_gym.evaluation.controller import ConstantController, Controller
-from ship_gym.plotting.seaway import (
-    HeadingRun,
-    bow_to_waves,
-    plot_headings,
-    plot_turning_in_waves,
-)
+from ship_gym.plotting.seaway import plot_turning_in_waves
 from ship_gym.recording import Trajectory
 from ship_gym.reports.case import Case, sail
 from ship_gym.reports.manoeuvre import wave_share

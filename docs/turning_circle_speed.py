@@ -11,10 +11,11 @@ from collections.abc import Callable, Iterator
 
 from scipy.optimize import brentq
 
+from reproduce.surge import hull_surge_terms
 from ship_gym import load_ship
 from ship_gym.manoeuvres import TurningCircle, turning_circle
 from ship_gym.physics.dynamics import forces
-from ship_gym.reports.balance import hull_surge_terms, inertia_terms, last_turn
+from ship_gym.reports.balance import inertia_terms, last_turn
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from reproduce import families
 from ship_gym.manoeuvres import turning_circle
 from ship_gym.physics.dynamics import forces
-from ship_gym.reports import families
 from ship_gym.ships import load_ship
 from tests.conftest import tables_of
 

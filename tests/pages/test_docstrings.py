@@ -1,6 +1,6 @@
 import pytest
 
-from ship_gym.reports.docstrings import Field, fields, intro, returned, table
+from pages.docstrings import Field, fields, intro, returned, table
 
 
 def documented():

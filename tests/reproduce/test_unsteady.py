@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ship_gym.config import ConfigError, read_csv
-from ship_gym.surrogates.unsteady import (
+from reproduce.unsteady import (
     EARLY_STOPPING,
     NOISE,
     ORDERS,
@@ -21,6 +20,7 @@ from ship_gym.surrogates.unsteady import (
     series,
     ship_wake,
 )
+from ship_gym.config import ConfigError, read_csv
 
 
 def printed_losses(path):
