@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from pathlib import Path
 
@@ -20,7 +21,9 @@ from ship_gym.reports.manoeuvre import wave_share
 from ship_gym.sea.sea_states import sea_state
 from ship_gym.sea.state import irregular_sea
 from ship_gym.simulation import ShipSim, history_columns
+from ship_gym.text import table
 
+markdown = functools.partial(table, markdown=True)
 DOCS = Path(__file__).parent
 # White (2020): approach speed [m/s], propeller [rev/s], wave height [m]; lambda = L, head sea
 CIRCLES = {"kcs_model": (0.860, 13.2, 0.048), "dtc_model": (1.48, 15.7, 0.112)}
@@ -159,12 +162,6 @@ def heading_table(runs: list[HeadingRun]) -> list[list[str]]:
             ]
         )
     return rows
-
-
-def markdown(header: list[str], rows: list[list[str]]) -> str:
-    """A table in Markdown."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 CIRCLE_HEADER = [

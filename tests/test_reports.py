@@ -11,7 +11,6 @@ from ship_gym.config import ConfigError
 from ship_gym.reports import manoeuvre as report
 from ship_gym.reports.balance import steady_balance
 from ship_gym.reports.case import sail, sail_trial, trials
-from ship_gym.reports.text import table
 from ship_gym.ships.loader import load_ship
 from ship_gym.simulation import self_propulsion
 
@@ -78,7 +77,3 @@ def test_ship_without_trials_and_unknown_measure_are_refused(circle):
     odd = dataclasses.replace(circle.trial, measures={"max_advence": 3.0})
     with pytest.raises(ConfigError, match="max_advance"):
         report.rows(dataclasses.replace(circle, trial=odd))
-
-
-def test_table_aligns():
-    assert table(["a", "b"], [["x", "10"], ["long", "9"]]) == "a      b\nx     10\nlong   9"

@@ -16,11 +16,11 @@ import numpy as np
 from ship_gym.config import CsvTable, read_csv
 from ship_gym.conventions import DELTA, FLOW_F_N, FLOW_J, N, R, U, V
 from ship_gym.physics.rudder import beaufoy
-from ship_gym.reports.text import paragraph, percent, table
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.scaling import scaled
 from ship_gym.simulation import ShipSim, longest_step, self_propulsion
+from ship_gym.text import paragraph, percent, table
 
 PRINTED = Path(__file__).parent / "data" / "stern_2021_rudder.csv"
 ANGLE = math.radians(35.0)

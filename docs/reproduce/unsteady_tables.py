@@ -6,7 +6,7 @@ from typing import Any
 
 from reproduce.unsteady import EARLY_STOPPING, NOISE, OUTPUTS, REGRESSION_ORDER
 from ship_gym.config import CsvTable, read_csv
-from ship_gym.reports.text import paragraph, table
+from ship_gym.text import paragraph, table
 
 COLUMNS = ("training_loss", *OUTPUTS, "loss")
 
