@@ -39,7 +39,7 @@ def state(side: int, U: float, r_: float, beta: float, n: float) -> dict[str, fl
     u, v, r = U * math.cos(beta), -side * U * math.sin(beta), side * r_ * U / SHIP.hull.L
     made = fleet([SHIP])
     tables = (made.water[0], made.deflected[0])
-    H, P, R, flow = forces((u, v, r), (side * DELTA, n), made.records[0], tables)
+    (H, P, R), flow = forces((u, v, r), (side * DELTA, n), made.records[0], tables)
     centripetal, offset = inertia_terms(SHIP, u, v, r)
     inertia = SHIP.inertia
     return {

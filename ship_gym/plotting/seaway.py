@@ -9,11 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
-from ship_gym.conventions import FORCE_COMPONENTS
+from ship_gym.conventions import FORCES
 from ship_gym.plotting.figure import (
     AMBER,
     BLUE,
-    COMPONENTS,
     DASHED,
     FAINT,
     INK,
@@ -179,11 +178,11 @@ def _share_text(case: Case) -> str:
 
 def _contributions(axes: Axes, waves: dict, calm: dict, axis: str) -> None:
     """One axis of the force breakdown in waves (full) and in calm water (dashed)."""
-    for name in FORCE_COMPONENTS:
-        column, colour = f"{axis}_{name}", COMPONENTS[name]
+    for force in FORCES:
+        column, colour = f"{axis}_{force.name}", force.colour
         if not np.any(waves[column] != 0.0):
             continue
-        axes.plot(waves["t"], waves[column], color=colour, label=name, linewidth=1.3)
+        axes.plot(waves["t"], waves[column], color=colour, label=force.label, linewidth=1.3)
         if np.any(calm[column] != 0.0):
             style = {"linestyle": DASHED, "linewidth": 0.9, "alpha": 0.7}
             axes.plot(calm["t"], calm[column], color=colour, **style)

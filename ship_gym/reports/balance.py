@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 
+from ship_gym.conventions import FORCES
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.ships.particulars import Ship
 
-_COMPONENTS = ("hull", "propeller", "rudder")
+_COMPONENTS = tuple(force.name for force in FORCES if not force.outside)
 
 
 def last_turn(trajectory: Trajectory) -> dict[str, float]:

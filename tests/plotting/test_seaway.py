@@ -8,8 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from ship_gym.conventions import FORCE_COMPONENTS
-from ship_gym.plotting.figure import COMPONENTS
+from ship_gym.conventions import FORCE_COMPONENTS, FORCES
 from ship_gym.plotting.seaway import (
     _share_text,
     plot_turning_in_waves,
@@ -31,8 +30,8 @@ def is_picture(path) -> bool:
 
 
 def test_every_component_has_its_own_colour():
-    assert set(COMPONENTS) == set(FORCE_COMPONENTS)
-    assert len(set(COMPONENTS.values())) == len(FORCE_COMPONENTS)
+    for colours in ([f.colour for f in FORCES], [f.on_dark for f in FORCES]):
+        assert len(set(colours)) == len(FORCE_COMPONENTS)
 
 
 def test_sway_is_to_starboard_and_yaw_is_added():
