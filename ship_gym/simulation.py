@@ -31,7 +31,7 @@ from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_waves
 from ship_gym.sea.records import Waters, waters
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.particulars import Ship
-from ship_gym.ships.records import fleet
+from ship_gym.ships.records import fleet, numbered
 
 PARALLEL_FROM = (
     2048  # ships; below it waiting for threads costs more than it saves where cores are busy
@@ -184,10 +184,10 @@ class ShipSim:
         """Propeller speed [rev/s] of each ship that holds a speed [m/s] on a straight course."""
         found: dict[tuple[int, float], float] = {}
         speeds = []
-        for ship, U0 in zip(self.ships, np.broadcast_to(speed, (self.n,)).tolist(), strict=True):
-            key = (id(ship), U0)
+        different, numbers = numbered(self.ships)
+        for key in zip(numbers, np.broadcast_to(speed, (self.n,)).tolist(), strict=True):
             if key not in found:
-                found[key] = self_propulsion(ship, U0)
+                found[key] = self_propulsion(different[key[0]], key[1])
             speeds.append(found[key])
         return np.array(speeds)
 
