@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from pathlib import Path
 
 import numpy as np
 from ship_gym_agents.pid import PID
 
+from reproduce.headings import HeadingRun, bow_to_waves, plot_headings
 from ship_gym import load_ship
 from ship_gym.conventions import KNOT, G, N
 from ship_gym.evaluation import rollout
 from ship_gym.evaluation.controller import ConstantController, Controller
-from ship_gym.plotting.seaway import (
-    HeadingRun,
-    bow_to_waves,
-    plot_headings,
-    plot_turning_in_waves,
-)
+from ship_gym.plotting.seaway import plot_turning_in_waves
 from ship_gym.recording import Trajectory
 from ship_gym.reports.case import Case, sail
 from ship_gym.reports.manoeuvre import wave_share
 from ship_gym.sea.sea_states import sea_state
 from ship_gym.sea.state import irregular_sea
 from ship_gym.simulation import ShipSim, history_columns
+from ship_gym.text import table
 
+markdown = functools.partial(table, markdown=True)
 DOCS = Path(__file__).parent
 # White (2020): approach speed [m/s], propeller [rev/s], wave height [m]; lambda = L, head sea
 CIRCLES = {"kcs_model": (0.860, 13.2, 0.048), "dtc_model": (1.48, 15.7, 0.112)}
@@ -163,12 +162,6 @@ def heading_table(runs: list[HeadingRun]) -> list[list[str]]:
             ]
         )
     return rows
-
-
-def markdown(header: list[str], rows: list[list[str]]) -> str:
-    """A table in Markdown."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 CIRCLE_HEADER = [

@@ -6,18 +6,22 @@ Where the missing speed of the KCS model goes in its 35 deg turning circle. Noth
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from collections.abc import Callable, Iterator
 
 from scipy.optimize import brentq
 
+from reproduce.surge import hull_surge_terms
 from ship_gym import load_ship
 from ship_gym.manoeuvres import TurningCircle, turning_circle
 from ship_gym.physics.dynamics import forces
-from ship_gym.reports.balance import hull_surge_terms, inertia_terms, last_turn
+from ship_gym.reports.balance import inertia_terms, last_turn
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet
+from ship_gym.text import table
 
+markdown = functools.partial(table, markdown=True)
 DELTA, U0, N = math.radians(35.0), 0.860, 10.2  # rudder, approach speed [m/s], [rev/s]
 N_IMPLIED = 0.410 / (0.105 * 0.3724)  # from J_B = U/(n D) of Stern et al. (2021), starboard
 # measured steady motion, starboard and port: U [m/s], r L/U = 2 / (steady diameter in L)
@@ -35,7 +39,7 @@ def state(side: int, U: float, r_: float, beta: float, n: float) -> dict[str, fl
     u, v, r = U * math.cos(beta), -side * U * math.sin(beta), side * r_ * U / SHIP.hull.L
     made = fleet([SHIP])
     tables = (made.water[0], made.deflected[0])
-    H, P, R, flow = forces((u, v, r), (side * DELTA, n), made.records[0], tables)
+    (H, P, R), flow = forces((u, v, r), (side * DELTA, n), made.records[0], tables)
     centripetal, offset = inertia_terms(SHIP, u, v, r)
     inertia = SHIP.inertia
     return {
@@ -71,12 +75,6 @@ def in_own_motion(side: int) -> dict[str, float]:
     U = math.hypot(mean["u"], mean["v"])
     beta = side * math.atan2(-mean["v"], mean["u"])
     return state(side, U, side * mean["r"] * SHIP.hull.L / U, beta, N)
-
-
-def markdown(header: list[str], rows: list[list[str]]) -> str:
-    """A table in Markdown."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def balance_table() -> str:

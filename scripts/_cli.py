@@ -10,9 +10,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-# Where the checkout is not installed, find both packages in it.
+# Where the checkout is not installed, find both packages in it. docs/ goes first: the package
+# reproduce in it is named like scripts/reproduce.py.
 _ROOT = Path(__file__).resolve().parents[1]
 sys.path += [str(_ROOT), str(_ROOT / "agents")]
+sys.path.insert(0, str(_ROOT / "docs"))
 
 from ship_gym.config import ConfigError  # noqa: E402
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from _cli import parser, progress, run, show
 from ship_gym_agents import make_controller
 
-from ship_gym.evaluation.still import still
-from ship_gym.reports.environment_pages import MOMENTS, name_of, outdated, write_pages
+from pages.environment_pages import MOMENTS, name_of, outdated, write_pages
+from pages.still import still
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "environments"
 EXAMPLES = (

@@ -9,8 +9,8 @@ from ship_gym_agents import make_controller, trained_for
 
 from ship_gym.evaluation import metrics, metrics_of, rollout
 from ship_gym.evaluation.rollout import EVALUATION_SEED
-from ship_gym.evaluation.statistics import aligned
 from ship_gym.recording import Trajectory
+from ship_gym.text import table
 
 EXAMPLES = (
     "python scripts/record.py --policy runs/quickstart",
@@ -44,12 +44,10 @@ def main() -> None:
     found = metrics(Trajectory.from_rrd(args.out))
     if found != metrics(sailed):
         raise OSError(f"{args.out}: the metrics of the file are not those of the episode")
-    rows = [["metric", "unit", controller.name]]
-    rows += [
-        [name, metrics_of(sailed.meta["task"])[name].unit, f"{value:.5g}"]
-        for name, value in found.items()
-    ]
-    text = f"seed {args.seed}, metrics computed from {args.out}\n{aligned(rows)}\n\n"
+    units = metrics_of(sailed.meta["task"])
+    rows = [[name, units[name].unit, f"{value:.5g}"] for name, value in found.items()]
+    shown = table(["metric", "unit", controller.name], rows, None)
+    text = f"seed {args.seed}, metrics computed from {args.out}\n{shown}\n\n"
     text += f"wrote {args.out}\nnext: rerun {args.out}"
     data = {"controller": controller.name, "seed": args.seed, "metrics": found}
     show(args.json, {**data, "file": str(args.out)}, text)

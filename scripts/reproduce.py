@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from _cli import parser, progress, run, show
 
-from ship_gym.reports import families, rudder_formulas, thesis_tables, unsteady
-from ship_gym.surrogates.unsteady import compare_seeds
+from reproduce import families, rudder_formulas, thesis_tables, unsteady_tables
+from reproduce.unsteady import compare_seeds
 
 # what is computed and how it is shown
 PARTS = {
     # Knight (2021): regression, process, error budget
     "thesis": (thesis_tables.as_dict, thesis_tables.as_text),
     # Knight & Maki (2020): order of the regression, early stopping; half a minute
-    "network": (lambda: unsteady.as_dict(compare_seeds()), unsteady.as_text),
+    "network": (lambda: unsteady_tables.as_dict(compare_seeds()), unsteady_tables.as_text),
     # Stern et al. (2021): Beaufoy's formula and the MMG rudder
     "rudder": (rudder_formulas.as_dict, rudder_formulas.as_text),
     # turning circles and zig-zags of KCS with each family of surrogate

@@ -8,8 +8,8 @@ from _cli import parser, progress, run, show
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import all_metrics, metrics
-from ship_gym.evaluation.statistics import aligned
 from ship_gym.recording import Trajectory
+from ship_gym.text import table
 
 EXAMPLES = (
     "python scripts/review.py runs/rollout.rrd",
@@ -47,7 +47,8 @@ def main() -> None:
         if any(cells):
             rows.append([name, metric.unit, *cells])
     data = {path: {k: meta[k] for k in kept} | {"metrics": m} for path, (meta, m) in found.items()}
-    show(args.json, data, "\n".join(map(",".join, rows)) if args.csv else aligned(rows))
+    text = "\n".join(map(",".join, rows)) if args.csv else table(rows[0], rows[1:], None)
+    show(args.json, data, text)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ Units are SI after loading: m, s, rad, rev/s, N, kg, W. A name outside SI carrie
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,13 +32,49 @@ N_STATES = 8
 COMMAND_NAMES = ("delta_command", "n_command")
 N_COMMANDS = 2
 
+
+class Force(NamedTuple):
+    """One row of the force breakdown, and how it is shown.
+
+    Attributes
+    ----------
+    name : str
+        In ``info["forces"]``, and behind X_, Y_ and N_ as the name of a column.
+    label : str
+        For people.
+    colour : str
+        In every picture, as ``#rrggbb``; on a dark ground see `on_dark`.
+    outside : bool
+        Whether it comes from outside the ship; those have an arrow in a recording.
+    """
+
+    name: str
+    label: str
+    colour: str
+    outside: bool
+
+    @property
+    def on_dark(self) -> tuple[int, int, int]:
+        """Red, green and blue for a dark ground: nine parts of the colour, seven of white."""
+        parts = (int(self.colour[k : k + 2], 16) for k in (1, 3, 5))
+        red, green, blue = ((9 * part + 7 * 255) // 16 for part in parts)
+        return red, green, blue
+
+
 # Rows of the force breakdown; columns are surge X [N], sway Y [N], yaw moment N [N m] at midship.
 # Hull, propeller, rudder, wave drift and wind are of the start of an interval, the disturbance of
 # the middle of its first integration step. The last three are held during an integration step.
-FORCE_COMPONENTS = ("hull", "propeller", "rudder", "wave", "wind", "disturbance")
+FORCES = (
+    Force("hull", "hull", "#1f5a94", False),
+    Force("propeller", "propeller", "#2a8f82", False),
+    Force("rudder", "rudder", "#b8402f", False),
+    Force("wave", "wave drift", "#7d4fa6", True),
+    Force("wind", "wind", "#57a5d1", True),
+    Force("disturbance", "disturbance", "#b5488a", True),
+)
+FORCE_COMPONENTS = tuple(force.name for force in FORCES)
 FORCE_AXES = ("X", "Y", "N")
-HULL, PROPELLER, RUDDER, WAVE, WIND, DISTURBANCE = range(6)
-N_FORCES = 6
+N_FORCES = len(FORCES)
 
 # Flow diagnostics that accompany the forces.
 FLOW_NAMES = ("J", "beta_P", "beta_R", "thrust", "torque", "rudder_normal_force", "extrapolation")

@@ -25,14 +25,14 @@ from ship_gym.conventions import (
 from ship_gym.physics._kernel import threads_work
 from ship_gym.physics.disturbance import set_phases
 from ship_gym.physics.dynamics import forces as ship_forces
-from ship_gym.physics.dynamics import over_ground
+from ship_gym.physics.dynamics import over_ground, total
 from ship_gym.physics.step import see_waves, step_batch, step_batch_parallel
 from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_waves
 from ship_gym.sea.records import Waters, waters
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.loader import Named, load_ship, load_ships
 from ship_gym.ships.particulars import Ship
-from ship_gym.ships.records import fleet
+from ship_gym.ships.records import fleet, numbered
 
 PARALLEL_FROM = (
     2048  # ships; below it waiting for threads costs more than it saves where cores are busy
@@ -64,8 +64,8 @@ class ShipSim:
     time : numpy.ndarray
         Time since reset of each ship [s], shape (n,).
     forces : numpy.ndarray
-        X, Y [N], N [N m] by component at the start of the last step, shape (n, 6, 3),
-        ``conventions.FORCE_COMPONENTS`` by ``FORCE_AXES``.
+        X, Y [N], N [N m] by component at the start of the last step, shape
+        (n, N_FORCES, 3), ``conventions.FORCE_COMPONENTS`` by ``FORCE_AXES``.
     flow : numpy.ndarray
         Diagnostics at the start of the last step, shape (n, 7), ``conventions.FLOW_NAMES``.
     waves : numpy.ndarray
@@ -190,10 +190,10 @@ class ShipSim:
         """Propeller speed [rev/s] of each ship that holds a speed [m/s] on a straight course."""
         found: dict[tuple[int, float], float] = {}
         speeds = []
-        for ship, U0 in zip(self.ships, np.broadcast_to(speed, (self.n,)).tolist(), strict=True):
-            key = (id(ship), U0)
+        different, numbers = numbered(self.ships)
+        for key in zip(numbers, np.broadcast_to(speed, (self.n,)).tolist(), strict=True):
             if key not in found:
-                found[key] = self_propulsion(ship, U0)
+                found[key] = self_propulsion(different[key[0]], key[1])
             speeds.append(found[key])
         return np.array(speeds)
 
@@ -323,8 +323,8 @@ def self_propulsion(ship: Named | Ship, speed: float) -> float:
     record, tables = made.records[0], (made.water[0], made.deflected[0])
 
     def surge(n: float) -> float:
-        hull, propeller, rudder, _ = ship_forces((speed, 0.0, 0.0), (0.0, n), record, tables)
-        return hull[0] + propeller[0] + rudder[0]
+        own, _ = ship_forces((speed, 0.0, 0.0), (0.0, n), record, tables)
+        return total(own)[0]
 
     if surge(ship.engine.n_max) < 0.0:
         raise ConfigError(
@@ -347,8 +347,8 @@ def history_columns(
     Parameters
     ----------
     time, state, command, forces, flow, waves : numpy.ndarray
-        Shapes (T,), (T, 8), (T, 2), (T, 6, 3), (T, 7), (T, 9): row k holds the state at
-        ``time[k]``, the command given then and the forces, flow and waves at that instant.
+        Shapes (T,), (T, 8), (T, 2), (T, N_FORCES, 3), (T, 7), (T, 9): row k holds the
+        state at ``time[k]``, the command given then and the forces, flow and waves at that instant.
 
     Returns
     -------

@@ -77,6 +77,15 @@ class Table:
         if any(axis.count < 2 or axis.step <= 0.0 for axis in self.axes):
             raise ConfigError("a table axis needs at least two points and a positive step")
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Table):
+            return NotImplemented
+        same = (self.axes, self.names, self.card) == (other.axes, other.names, other.card)
+        return same and np.array_equal(self.values, other.values)
+
+    def __hash__(self) -> int:
+        return hash((self.axes, self.names))
+
     def __call__(self, *coordinates) -> np.ndarray:
         """Linear interpolation, clamped to the axes' ends.
 

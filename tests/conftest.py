@@ -2,6 +2,7 @@ import dataclasses
 
 import pytest
 
+from ship_gym.physics import dynamics
 from ship_gym.ships import available_ships, load_ship
 from ship_gym.ships.records import fleet
 
@@ -12,6 +13,12 @@ def tables_of(ship):
     """Record and tables of one ship, as the kernels take them."""
     made = fleet([ship])
     return made.records[0], (made.water[0], made.deflected[0])
+
+
+def forces(motion, controls, record, tables):
+    """Hull, propeller and rudder force, and the flow, of ``physics.dynamics.forces``."""
+    own, flow = dynamics.forces(motion, controls, record, tables)
+    return *own, flow
 
 
 def symmetric(ship):

@@ -11,7 +11,7 @@ from ship_gym.simulation import ShipSim, SimulationDiverged, self_propulsion, st
 
 def test_self_propulsion_balances_surge(ship):
     n = self_propulsion(ship, ship.speed)
-    hull, propeller, rudder, _ = straight_forces(ship, ship.speed, n)
+    (hull, propeller, rudder), _ = straight_forces(ship, ship.speed, n)
     assert hull[0] + propeller[0] + rudder[0] == pytest.approx(0.0, abs=1e-6 * -hull[0])
     assert self_propulsion(ship, 0.0) == 0.0
 

@@ -18,6 +18,7 @@ from ship_gym.envs.view import RENDER_MODES, Screen
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
+from ship_gym.ships.records import numbered
 from ship_gym.tasks import observations_of
 from ship_gym.tasks.columns import ACTIONS
 
@@ -65,16 +66,18 @@ def resolved_fleet(
         raise ConfigError(f"ship = {ships!r}: must be a name, a Ship or a list of them")
     if len(ships) == 0:
         raise ConfigError("ship = []: a fleet needs at least one ship")
-    # each different one once, by its name or, of an object, by itself
-    different = {ship if isinstance(ship, str) else id(ship): ship for ship in ships}
-    scenarios, made = [], {}
-    for key, ship in different.items():
+    for ship in ships:
+        if not isinstance(ship, str | os.PathLike | Ship):
+            raise ConfigError(f"ship = {ships!r}: each must be a name or a Ship")
+    different, numbers = numbered(ships)
+    scenarios, made = [], []
+    for ship in different:
         resolved, given = resolved_scenario(
             scenario, ship, control, surrogate, privileged, overrides
         )
         scenarios.append(resolved)
-        made[key] = given or load_ship(resolved.ship, surrogate=resolved.surrogate)
-    return scenarios[0], [made[ship if isinstance(ship, str) else id(ship)] for ship in ships]
+        made.append(given or load_ship(resolved.ship, surrogate=resolved.surrogate))
+    return scenarios[0], [made[k] for k in numbers]
 
 
 def check_render_mode(render_mode: str | None) -> None:

@@ -28,6 +28,7 @@ from ship_gym.physics.waves import WAVE_EXTRAPOLATION
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
+from ship_gym.ships.records import numbered
 from ship_gym.simulation import ShipSim, self_propulsion
 from ship_gym.tasks import TASKS, bridge, observations_of, privileged
 from ship_gym.tasks.columns import ACTIONS
@@ -86,7 +87,7 @@ class EpisodeBatch:
             ship = load_ship(scenario.ship, surrogate=scenario.surrogate)
         given = [ship] if isinstance(ship, Ship) else list(ship)
         self.ships = [given[i % len(given)] for i in range(n)]
-        self.fleet = list({id(one): one for one in given}.values())  # the different ones
+        self.fleet, _ = numbered(given)  # the different ones
         if scenario.randomisation.surrogate_std > 0.0:
             for one in self.fleet:
                 check_has_std(one)
@@ -159,10 +160,10 @@ class EpisodeBatch:
 
     def _fill_tasks(self) -> None:
         scenario, tasks, unit = self.scenario, self.tasks, self._unit
-        orders = {id(one): self_propulsion(one, one.speed) for one in self.fleet}
+        orders = np.array([self_propulsion(one, one.speed) for one in self.fleet])
         tasks["speed"] = [one.speed for one in self.ships]
         tasks["L"] = [one.hull.L for one in self.ships]
-        tasks["n_order"] = [orders[id(one)] for one in self.ships]
+        tasks["n_order"] = orders[numbered(self.ships)[1]]
         tasks["interval"] = scenario.control_interval
         tasks["rudder_stroke"] = [one.gear.rate for one in self.ships] * self.dt
         for name in self.reward_terms:

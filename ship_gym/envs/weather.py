@@ -11,6 +11,7 @@ from ship_gym.scenarios.sea_range import SeaRange
 from ship_gym.sea.gusts import turbulence_intensity
 from ship_gym.sea.records import Waters, waters
 from ship_gym.ships.particulars import Ship
+from ship_gym.ships.records import numbered
 from ship_gym.tasks.bridge import north_east
 
 N_CURRENT = 2  # uniform numbers for the current
@@ -37,16 +38,13 @@ class Weathers:
         self._choices = sea.weathers()
         self._unit = np.array([ship.time_unit for ship in ships])
         self._scale = np.array([ship.scale for ship in ships])
-        distinct = {id(ship): ship for ship in ships}
+        different, numbers = numbered(ships)
         pairs = [
-            (ship, choice.sea.scaled(ship.scale))
-            for ship in distinct.values()
-            for choice in self._choices
+            (ship, choice.sea.scaled(ship.scale)) for ship in different for choice in self._choices
         ]
         # rows of the templates: ship by choice
         self._templates = waters([ship for ship, _ in pairs], [s for _, s in pairs])
-        first_row = {key: k * len(self._choices) for k, key in enumerate(distinct)}
-        self._row = np.array([first_row[id(ship)] for ship in ships])
+        self._row = np.array(numbers) * len(self._choices)
         made = self._templates
         shape = (len(ships), *made.waves.shape[1:])
         self.water: Waters = dataclasses.replace(

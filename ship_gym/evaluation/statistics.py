@@ -12,6 +12,7 @@ from scipy import stats
 from ship_gym.config import ConfigError, check_known
 from ship_gym.evaluation.metrics import metrics, metrics_of
 from ship_gym.evaluation.rollout import Rollout
+from ship_gym.text import table as text_table
 
 CONFIDENCE = 0.95
 _RESAMPLES = 5000
@@ -171,30 +172,21 @@ def table(comparison: Mapping[str, Any], markdown: bool = False) -> str:
         With column rules for a README, else aligned plain text.
     """
     units, found = comparison["metrics"], comparison["controllers"]
-    rows = [["metric", "unit", "better", *found]]
+    header, rows = ["metric", "unit", "better", *found], []
     for name, metric in units.items():
         cells = [_cell(column[name]) for column in found.values()]
         rows.append([name, metric["unit"], metric["better"], *cells])
-    text = aligned(rows, markdown)
+    text = text_table(header, rows, None, markdown=markdown)
     differences = comparison["differences"]
     if not differences:
         return text
     reference = comparison["reference"]
-    rows = [["difference", "unit", *(f"{name} - {reference}" for name in differences)]]
+    header = ["difference", "unit", *(f"{name} - {reference}" for name in differences)]
+    rows = []
     for name, metric in units.items():
         cells = [_judged_cell(column[name], metric["better"]) for column in differences.values()]
         rows.append([name, metric["unit"], *cells])
-    return f"{text}\n\n{aligned(rows, markdown)}"
-
-
-def aligned(rows: Sequence[Sequence[str]], markdown: bool = False) -> str:
-    """Rows of text, the first one the heading, as aligned columns."""
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    padded = [[cell.ljust(w) for cell, w in zip(row, widths, strict=True)] for row in rows]
-    rule = ["-" * w for w in widths]
-    if markdown:
-        return "\n".join("| " + " | ".join(row) + " |" for row in [padded[0], rule, *padded[1:]])
-    return "\n".join("  ".join(row).rstrip() for row in [padded[0], rule, *padded[1:]])
+    return f"{text}\n\n{text_table(header, rows, None, markdown=markdown)}"
 
 
 def _judged_cell(difference: Mapping[str, float | None], better: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from ship_gym.conventions import PSI, U, V
 from ship_gym.physics._kernel import kernel
@@ -14,6 +15,24 @@ from ship_gym.physics.propeller import (
     surrogate_blend,
 )
 from ship_gym.physics.rudder import rudder_forces
+
+
+class OwnForces(NamedTuple):
+    """Forces of the ship herself at one instant: X, Y [N], N [N m] at midship of each."""
+
+    hull: tuple[float, float, float]
+    propeller: tuple[float, float, float]
+    rudder: tuple[float, float, float]
+
+
+@kernel
+def total(loads):
+    """Sum of some loads: X, Y [N], N [N m]."""
+    X, Y, N = loads[0]
+    for k in range(1, len(loads)):
+        load = loads[k]
+        X, Y, N = X + load[0], Y + load[1], N + load[2]
+    return X, Y, N
 
 
 @kernel
@@ -41,7 +60,7 @@ def with_mirror_image(starboard, port):
 
 @kernel
 def forces(motion, controls, ship, tables):
-    """Force breakdown of one ship at one instant, without disturbance.
+    """Force breakdown of one ship at one instant, without the loads from outside.
 
     Parameters
     ----------
@@ -56,8 +75,8 @@ def forces(motion, controls, ship, tables):
 
     Returns
     -------
-    hull, propeller, rudder : (float, float, float)
-        X, Y [N], N [N m] at midship, of all propellers and of all rudders together.
+    own : OwnForces
+        Of all propellers and of all rudders together.
     flow : tuple of 7 floats
         J, beta_P, beta_R [rad], thrust [N], torque [N m], rudder normal force [N], extrapolation
         (``conventions.FLOW_NAMES``); forces and torque of all, angles on the centreline.
@@ -77,7 +96,7 @@ def forces(motion, controls, ship, tables):
         T, Q, F_N = T + seen[2], Q + seen[3], F_N - seen[4]
     J = advance_ratio(u, controls[1], ship.propeller.D)
     outside = extrapolation(J, beta_P, beta_R, controls[0], ship.surrogate)
-    return on_hull, P, R, (J, beta_P, beta_R, T, Q, F_N, outside)
+    return OwnForces(on_hull, P, R), (J, beta_P, beta_R, T, Q, F_N, outside)
 
 
 @kernel

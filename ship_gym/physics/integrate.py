@@ -6,28 +6,25 @@ import math
 
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.actuators import engine_after, governed_command, rudder_after
-from ship_gym.physics.dynamics import accelerations, forces, water_velocity
+from ship_gym.physics.dynamics import accelerations, forces, total, water_velocity
 
 
 @kernel
 def derivative(body, controls, load, ship, sea, tables):
-    """Time derivative of (u, v, r, x, y, psi), hull, propeller and rudder force, and the flow.
+    """Time derivative of (u, v, r, x, y, psi), the ship's own forces, and the flow.
 
-    `load` is what is held during this step, X, Y [N] and N [N m] of waves, wind and disturbance. A
-    uniform current enters by relative velocity; its rotation in body axes gives back the
-    acceleration over ground.
+    `load` is the sum of what is held during this step, X, Y [N] and N [N m]. A uniform current
+    enters by relative velocity; its rotation in body axes gives back the acceleration over ground.
     """
     u, v, r, _, _, psi = body
     u_c, v_c = water_velocity(psi, sea)
     motion = (u - u_c, v - v_c, r)
-    H, P, R, flow = forces(motion, controls, ship, tables)
-    X = H[0] + P[0] + R[0] + load[0]
-    Y = H[1] + P[1] + R[1] + load[1]
-    N = H[2] + P[2] + R[2] + load[2]
-    du, dv, dr = accelerations(motion, X, Y, N, ship.inertia)
+    own, flow = forces(motion, controls, ship, tables)
+    X, Y, N = total(own)
+    du, dv, dr = accelerations(motion, X + load[0], Y + load[1], N + load[2], ship.inertia)
     c, s = math.cos(psi), math.sin(psi)
     rates = (du + r * v_c, dv - r * u_c, dr, u * c - v * s, u * s + v * c, r)
-    return rates, (H, P, R), flow
+    return rates, own, flow
 
 
 @kernel
@@ -45,7 +42,7 @@ def advanced(body, rates, h):
 
 @kernel
 def runge_kutta_4(state, command, load, dt, ship, sea, tables):
-    """State after `dt` [s], and the force components and flow at its start.
+    """State after `dt` [s], and the ship's own forces and flow at its start.
 
     Parameters
     ----------
@@ -55,7 +52,7 @@ def runge_kutta_4(state, command, load, dt, ship, sea, tables):
         Rudder [rad] and propeller speed [rev/s] commands, held during the step.
     """
     body, delta, n = state[:6], state[6], state[7]
-    k1, components, flow = derivative(body, (delta, n), load, ship, sea, tables)
+    k1, own, flow = derivative(body, (delta, n), load, ship, sea, tables)
     target = governed_command(n, command[1], flow[4], ship.engine)
     h = 0.5 * dt
     middle = rudder_after(delta, command[0], h, ship.gear), engine_after(n, target, h, ship.engine)
@@ -74,4 +71,4 @@ def runge_kutta_4(state, command, load, dt, ship, sea, tables):
         end[0],
         end[1],
     )
-    return new, components, flow
+    return new, own, flow

@@ -3,13 +3,30 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
+from ship_gym.conventions import FORCE_COMPONENTS
 from ship_gym.physics._kernel import batch, kernel, prange
 from ship_gym.physics.disturbance import disturbance_forces
-from ship_gym.physics.dynamics import vary_current, water_velocity
+from ship_gym.physics.dynamics import OwnForces, total, vary_current, water_velocity
 from ship_gym.physics.integrate import runge_kutta_4
 from ship_gym.physics.waves import wave_loads
 from ship_gym.physics.wind import wind_forces
+
+
+class HeldLoads(NamedTuple):
+    """Loads that are held during an integration step: X, Y [N], N [N m] at midship of each."""
+
+    wave: tuple[float, float, float]
+    wind: tuple[float, float, float]
+    disturbance: tuple[float, float, float]
+
+
+if (*OwnForces._fields, *HeldLoads._fields) != FORCE_COMPONENTS:
+    raise ImportError(
+        "conventions.FORCES must name the fields of OwnForces, then those of HeldLoads: "
+        f"{', '.join((*OwnForces._fields, *HeldLoads._fields))}"
+    )
 
 
 @kernel
@@ -27,7 +44,7 @@ def waves_now(time, body, sea, around):
 
 @kernel
 def held_loads(time, dt, body, sea, seen, winds):
-    """Loads that are held during an integration step: wave drift, wind, disturbance.
+    """What is held during an integration step.
 
     Drift and wind are those of its start, the disturbance that of its middle.
     """
@@ -39,7 +56,7 @@ def held_loads(time, dt, body, sea, seen, winds):
     if sea.disturbed == 1:
         Y, N = disturbance_forces(time + 0.5 * dt, sea)
         disturbance = (0.0, Y, N)
-    return wave, wind, disturbance
+    return HeldLoads(wave, wind, disturbance)
 
 
 @kernel
@@ -59,7 +76,7 @@ def step_one(state, command, clock, ship, sea, tables, around):
     Returns
     -------
     state : tuple of 8 floats
-    components : 6 x (float, float, float)
+    components : tuple of (float, float, float)
         X, Y [N], N [N m] of ``conventions.FORCE_COMPONENTS`` in the first integration step.
     flow : tuple of 7 floats
         ``conventions.FLOW_NAMES`` at the start of the interval.
@@ -71,7 +88,7 @@ def step_one(state, command, clock, ship, sea, tables, around):
     vary_current(time, sea)
     held = held_loads(time, dt, state[:6], sea, seen, field[3])
     state, own, flow = runge_kutta_4(state, command, total(held), dt, ship, sea, tables)
-    components = own[0], own[1], own[2], held[0], held[1], held[2]
+    components = own[:] + held[:]  # numba joins plain tuples only
     for k in range(1, steps):
         now = time + k * dt
         vary_current(now, sea)
@@ -82,13 +99,6 @@ def step_one(state, command, clock, ship, sea, tables, around):
     if sea.wavy == 1:
         seen = waves_now(time + steps * dt, state[:6], sea, field)
     return state, components, flow, seen
-
-
-@kernel
-def total(loads):
-    """Sum of three loads."""
-    a, b, c = loads
-    return a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]
 
 
 @kernel
@@ -133,7 +143,7 @@ def _step_batch(
         Tables of each kind of ship; ``ships.kind`` selects.
     waves, groups, response, winds : ndarray
         Of ``sea.records.Waters``; ``seas.response`` and ``seas.wind_table`` select.
-    forces, flow, seen : ndarray (n, 6, 3), ndarray (n, 7), ndarray (n, 9)
+    forces, flow, seen : ndarray (n, N_FORCES, 3), ndarray (n, 7), ndarray (n, 9)
         Written: at the start of the interval; `seen`, the waves, at its end. Not in a tuple,
         because numba loses what a parallel loop writes into arrays that are unpacked from one.
 
@@ -156,7 +166,7 @@ def _step_batch(
         state, parts, flow_i, after = step_one(state, command, tick, ship, sea, tables, around)
         for k in range(8):
             states[i, k] = state[k]
-        for k in range(6):
+        for k in range(len(parts)):
             for axis in range(3):
                 forces[i, k, axis] = parts[k][axis]
         for k in range(7):

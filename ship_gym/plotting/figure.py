@@ -19,14 +19,6 @@ from ship_gym.provenance import atomic_path
 INK, FAINT, GRID = "#22303c", "#8795a1", "#e3e8ec"
 BLUE, TEAL, AMBER, RED = "#1f5a94", "#2a8f82", "#d98324", "#b8402f"
 VIOLET, SKY = "#7d4fa6", "#57a5d1"
-COMPONENTS = {
-    "hull": BLUE,
-    "propeller": TEAL,
-    "rudder": RED,
-    "wave": VIOLET,
-    "wind": SKY,
-    "disturbance": FAINT,
-}
 DASHED = (0, (4, 2))
 MEASURED = AMBER  # whatever comes from a trial, in every picture
 

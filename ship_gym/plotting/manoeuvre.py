@@ -10,10 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Polygon
 
-from ship_gym.conventions import FORCE_COMPONENTS
+from ship_gym.conventions import FORCES
 from ship_gym.plotting.figure import (
     BLUE,
-    COMPONENTS,
     DASHED,
     FAINT,
     INK,
@@ -224,10 +223,10 @@ def _histories(panels: list[Axes], case: Case, t: dict[str, np.ndarray]) -> None
 
 def _forces(axes: Axes, track: dict[str, np.ndarray], axis: str) -> None:
     """One axis of the force breakdown over time; components that stay zero are left out."""
-    for name in FORCE_COMPONENTS:
-        values = track[f"{axis}_{name}"]
+    for force in FORCES:
+        values = track[f"{axis}_{force.name}"]
         if np.any(values != 0.0):
-            axes.plot(track["t"], values, color=COMPONENTS[name], label=name, linewidth=1.3)
+            axes.plot(track["t"], values, color=force.colour, label=force.label, linewidth=1.3)
     axes.axhline(0.0, color=FAINT, linewidth=0.8)
     axes.set_title(_FORCE_LABELS[axis])
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ship_gym.conventions import FORCE_AXES, FORCE_COMPONENTS, wrap_angle
+from ship_gym.conventions import FORCE_AXES, FORCES, wrap_angle
 
 Columns = Mapping[str, np.ndarray]
 
@@ -149,15 +149,15 @@ def _plain(columns: Columns, *names: str, scale: float = 1.0) -> list[Series]:
 
 def _forces(columns: Columns, axis: str, largest: Mapping[str, float] | None) -> Panel:
     """Draw one axis of the force breakdown: columns X_hull, X_propeller, ..., the known first."""
-    order = {f"{axis}_{component}": i for i, component in enumerate(FORCE_COMPONENTS)}
-    names = [name for name in columns if name.startswith(f"{axis}_")]
-    names.sort(key=lambda name: order.get(name, len(order)))
+    colours = {f"{axis}_{force.name}": force.on_dark for force in FORCES}
+    names = [name for name in colours if name in columns]
+    names += [name for name in columns if name.startswith(f"{axis}_") and name not in colours]
     most = max((float(np.abs(columns[name]).max()) for name in names), default=0.0)
     most = most if largest is None else largest[axis]
     size, prefix = next((p for p in _PREFIXES if most >= p[0]), (1.0, ""))
     unit = f"{prefix}N m" if axis == "N" else f"{prefix}N"
     what = "moment" if axis == "N" else "force"
-    series = _plain(columns, *names, scale=1.0 / size)
+    series = [Series(k, columns[k] / size, colours.get(k, _GREY)) for k in names]
     return Panel(f"plots/force_{axis}", f"{axis}: {_SHARES[axis]} {what} [{unit}]", series)
 
 

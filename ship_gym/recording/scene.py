@@ -10,17 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ship_gym.conventions import FORCES
 from ship_gym.recording.hull_shape import box_mesh, merge
 
 Columns = Mapping[str, np.ndarray]
 MOST_WAKE_POINTS = 2000  # more would slow the viewer down and show nothing new
 RING = 0.8  # radius of the compass ring [L]
-# force component -> entity, label, height above the water [L] and colour of its arrow
-_FORCES = {
-    "disturbance": ("disturbance", "disturbance force", 0.12, (240, 80, 100)),
-    "wave": ("wave_force", "wave drift force", 0.20, (190, 130, 235)),
-    "wind": ("wind_force", "wind force", 0.28, (140, 205, 245)),
-}
+_OUTSIDE = tuple(force for force in FORCES if force.outside)
+_LOWEST, _APART = 0.12, 0.08  # height of their arrows above the water, and between them [L]
 _HULL_RED, _HULL_BLUE, _DECK = (165, 62, 52), (70, 98, 145), (165, 135, 105)
 
 
@@ -151,18 +148,20 @@ def arrows(columns: Columns, length: float) -> list[Arrow]:
 def _force_arrows(columns: Columns, length: float) -> list[Arrow]:
     """Arrows of the forces from outside that act, all by one scale."""
     forces = {}
-    for component in _FORCES:
-        if {f"X_{component}", f"Y_{component}", "psi"} <= columns.keys():
-            body = columns[f"X_{component}"], columns[f"Y_{component}"]
-            force = _to_earth(*body, columns["psi"])
-            if force.any():
-                forces[component] = force
-    largest = max((np.linalg.norm(force, axis=1).max() for force in forces.values()), default=1.0)
+    for force in _OUTSIDE:
+        names = f"X_{force.name}", f"Y_{force.name}", "psi"
+        if columns.keys() >= set(names):
+            vectors = _to_earth(*(columns[name] for name in names))
+            if vectors.any():
+                forces[force] = vectors
+    largest = max((np.linalg.norm(v, axis=1).max() for v in forces.values()), default=1.0)
     found = []
-    for component, force in forces.items():
-        name, label, height, color = _FORCES[component]
-        start = np.broadcast_to([0.0, 0.0, -height * length], force.shape)
-        found.append(Arrow(name, label, start, force * (0.5 * length / largest), color))
+    for force, vectors in forces.items():
+        height = _LOWEST + _APART * _OUTSIDE.index(force)
+        start = np.broadcast_to([0.0, 0.0, -height * length], vectors.shape)
+        shown = vectors * (0.5 * length / largest)
+        name, label = f"{force.name}_force", f"{force.label} force"
+        found.append(Arrow(name, label, start, shown, force.on_dark))
     return found
 
 

@@ -10,9 +10,9 @@ from ship_gym.config import check_known
 from ship_gym.manoeuvres import imo_limits
 from ship_gym.reports.balance import steady_balance
 from ship_gym.reports.case import Case, has_waves
-from ship_gym.reports.text import paragraph, percent, table
 from ship_gym.sea.wave_response import energy_outside
 from ship_gym.ships.particulars import Ship
+from ship_gym.text import paragraph, percent, table
 
 CONDITION = "; "  # between manoeuvre and condition in a title
 _NOTED = 0.01  # share of the waves' energy outside the wave table from which it is said

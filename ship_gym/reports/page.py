@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from html import escape
 
 from ship_gym.provenance import atomic_path
-from ship_gym.reports.text import paragraph, table
+from ship_gym.text import paragraph, table
 
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #22303c; max-width: 70em; margin: 2em auto;

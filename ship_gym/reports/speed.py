@@ -19,10 +19,10 @@ from ship_gym.envs.env import ShipEnv
 from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.envs.vector_env import ShipVectorEnv
 from ship_gym.provenance import provenance
-from ship_gym.reports.text import table
 from ship_gym.sea.state import load_sea
 from ship_gym.ships.loader import load_ship
 from ship_gym.simulation import ShipSim
+from ship_gym.text import table
 
 COUNTS = (1, 64, 4096)
 SHIP_ENV = "ShipGym/HeadingKeeping-v0"

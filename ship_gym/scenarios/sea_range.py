@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from typing import NamedTuple
 
@@ -105,6 +106,7 @@ class SeaRange:
             "wind_speed_min": (0.0, self.wind_speed, "m/s"),
         }
         check_fields("sea", self, ranges)
+        object.__setattr__(self, "states", tuple(self.states))  # a list has no hash
         for state in self.states:
             check_known("sea state", state, STATES)
         if self.states and (self.wave_height > 0.0 or self.wind_speed > 0.0):
@@ -121,11 +123,7 @@ class SeaRange:
 
     def weathers(self) -> tuple[Weather, ...]:
         """The seas that an episode may draw, without current; at least one, calm or not."""
-        if not self.states:
-            share = self.wave_height_min / self.wave_height if self.wave_height > 0.0 else 1.0
-            sea = self._sea(self.wave_height, self.peak_period, self.wind_speed)
-            return (Weather(sea, share, self.wind_speed_min, self.wind_speed),)
-        return tuple(self._of_state(sea_state(int(name[2:]))) for name in self.states)
+        return _weathers(self)
 
     def _of_state(self, state: SeaState) -> Weather:
         aloft = state.wind_speed() / state.wind  # from the height of the table to 10 m
@@ -146,3 +144,13 @@ class SeaRange:
             wind_speed=wind_speed,
             gusts=self.gusts,
         )
+
+
+@functools.lru_cache(maxsize=64)
+def _weathers(sea: SeaRange) -> tuple[Weather, ...]:
+    """`SeaRange.weathers`, made once for equal ranges: one ``make`` asks for them several times."""
+    if not sea.states:
+        share = sea.wave_height_min / sea.wave_height if sea.wave_height > 0.0 else 1.0
+        only = sea._sea(sea.wave_height, sea.peak_period, sea.wind_speed)
+        return (Weather(only, share, sea.wind_speed_min, sea.wind_speed),)
+    return tuple(sea._of_state(sea_state(int(name[2:]))) for name in sea.states)

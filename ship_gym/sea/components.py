@@ -23,6 +23,7 @@ Nothing here is random: the phases eps_n are drawn at reset.
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import NamedTuple
 
@@ -129,12 +130,17 @@ def _shares(waves: list[WaveSystem], count: int) -> list[int]:
     return [int(n) for n in shares]
 
 
+@functools.lru_cache(maxsize=256)
 def _of_system(system: WaveSystem, count: int) -> WaveComponents:
+    """Waves of one system; made once for each system, since a sea is asked for them many times."""
     x = np.geomspace(*_RANGE, 20001) * system.omega_p
     omega, energy = equal_energy(x, system.density(x), count)
     energy *= system.height**2 / 16.0 / energy.sum()  # what lies outside the range comes back
     offsets = direction_offsets(system.spreading, count)
-    return WaveComponents(np.sqrt(2.0 * energy), omega, omega**2 / G, system.direction + offsets)
+    found = WaveComponents(np.sqrt(2.0 * energy), omega, omega**2 / G, system.direction + offsets)
+    for column in found:
+        column.flags.writeable = False  # shared by all that ask
+    return found
 
 
 def equal_energy(x: np.ndarray, density: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -32,6 +32,7 @@ from ship_gym.sea.wave_response import (
 )
 from ship_gym.sea.wind_coefficients import wind_table
 from ship_gym.ships.particulars import Ship
+from ship_gym.ships.records import numbered
 
 N_HARMONICS = 16
 N_DISTURBANCE = 2 * N_HARMONICS  # phases of sway force and yaw moment
@@ -156,9 +157,11 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
     seas = [sea] * len(ships) if isinstance(sea, Sea) else list(sea)
     if len(seas) != len(ships):
         raise ConfigError(f"{len(seas)} seas given for {len(ships)} ships")
-    parts = {id(s): s.components() for s in seas}
-    first = next(iter(parts.values()))
-    for other in parts.values():
+    kinds, ship_numbers = numbered(ships)
+    different, sea_numbers = numbered(seas)
+    parts = [s.components() for s in different]
+    first = parts[0]
+    for other in parts:
         if not np.array_equal(other.direction, first.direction):
             raise ConfigError("the seas of one simulation must have the same wave directions")
     count = len(first.omega)
@@ -167,18 +170,18 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
     responses: list[np.ndarray] = []
     winds: list[np.ndarray] = []
     made: dict[tuple[int, int], int] = {}
-    for i, (ship, s) in enumerate(zip(ships, seas, strict=True)):
-        key = (id(ship), id(s))
+    for i, key in enumerate(zip(ship_numbers, sea_numbers, strict=True)):
         if key in made:
             records[i], components[i] = records[made[key]], components[made[key]]
             continue
         made[key] = i
+        ship, s = kinds[key[0]], different[key[1]]
         _fill(records[i], ship, s)
         if s.wind_speed > 0.0:
             records[i]["wind_table"] = len(winds)
             winds.append(wind_table(ship.wind, ship.wind_type, ship.hull.B, s.wind_method).values)
         if count:
-            waves = parts[id(s)]
+            waves = parts[key[1]]
             components[i] = np.stack([waves.amplitude, waves.omega, waves.direction], axis=1)
             records[i]["wavy"], records[i]["response"] = 1, len(responses)
             records[i]["speed_step"] = SPEED_STEP * math.sqrt(G * ship.hull.L)

@@ -93,6 +93,7 @@ class Sea:
     gusts: bool = False
 
     def __post_init__(self):
+        object.__setattr__(self, "waves", tuple(self.waves))  # a list has no hash
         check_number("sea.current_speed", self.current_speed, 0.0, 10.0, "m/s")
         check_angle("sea.current_direction_to", self.current_direction_to)
         check_number("sea.current_variation", self.current_variation, 0.0, 1.0)

@@ -134,6 +134,7 @@ def _mirrored(gamma_w) -> tuple[np.ndarray, np.ndarray]:
     return np.abs(gamma), np.where(gamma > 0.0, -1.0, 1.0)
 
 
+@functools.lru_cache(maxsize=64)
 def wind_table(areas: WindAreas, ship_type: str, beam: float, method: str = "blendermann") -> Table:
     """Wind coefficients over one turn of gamma_w, for linear interpolation by a kernel.
 

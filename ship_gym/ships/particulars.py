@@ -225,7 +225,8 @@ class Trial:
     source: str
     delta_deg: float  # rudder angle, > 0 to starboard
     speed: float  # approach speed [m/s] at the scale of this ship
-    measures: dict[str, Any]  # name as in the result of the manoeuvre -> printed value
+    # name as in the result of the manoeuvre -> printed value
+    measures: dict[str, Any] = dataclasses.field(hash=False)
     psi_deg: float = 0.0  # zig-zag heading; sign as delta
     n: float | None = None  # propeller speed [rev/s]; None: self-propulsion
 
@@ -281,8 +282,8 @@ class Ship:
     wind: WindAreas | None = None
     wind_type: str = ""
     wave_table: str = ""
-    sources: dict[str, str] = dataclasses.field(default_factory=dict)
-    estimated: dict[str, str] = dataclasses.field(default_factory=dict)
+    sources: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
+    estimated: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
 
     @property
     def mass(self) -> float:

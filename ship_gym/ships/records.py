@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Hashable, Sequence
+from typing import TypeVar
 
 import numpy as np
 
@@ -20,6 +22,8 @@ from ship_gym.ships.particulars import (
     Surrogate,
 )
 from ship_gym.tables import Table
+
+T = TypeVar("T", bound=Hashable)
 
 SECTIONS = {
     "hull": Hull,
@@ -94,21 +98,38 @@ class Fleet:
 
 def fleet(ships: list[Ship]) -> Fleet:
     """Records of `ships`, one row each; ships of one kind share their tables."""
-    kinds: list[Ship] = []
-    records = np.zeros(len(ships), SHIP_DTYPE)
-    rows: dict[int, int] = {}
-    for i, ship in enumerate(ships):
-        if id(ship) not in rows:
-            kinds.append(ship)
-            rows[id(ship)] = i
-            _fill(records[i], ship, kind=len(kinds) - 1)
-        else:
-            records[i] = records[rows[id(ship)]]
+    kinds, numbers = numbered(ships)
+    made = np.zeros(len(kinds), SHIP_DTYPE)
+    for kind, ship in enumerate(kinds):
+        _fill(made[kind], ship, kind)
+    records = made[numbers]
     water = _stacked([ship.open_water.values for ship in kinds], "open-water")
     present = [_by_unit(ship.surrogate) for ship in kinds if ship.surrogate is not None]
     blank = np.zeros_like(present[0]) if present else np.zeros((2, 2, 2, len(CHANNELS)))
     tables = [blank if ship.surrogate is None else _by_unit(ship.surrogate) for ship in kinds]
     return Fleet(records, water, _stacked(tables, "surrogate"))
+
+
+def numbered(things: Sequence[T]) -> tuple[list[T], list[int]]:
+    """The different ones of some ships or seas, and for each thing which of them it is.
+
+    Equal things are one, whether or not they are one object.
+
+    Returns
+    -------
+    different : list
+        In the order of their first appearance.
+    numbers : list of int
+        Place in `different` of every thing.
+    """
+    places: dict[T, int] = {}
+    objects: dict[int, int] = {}  # spares hashing the same ship thousands of times
+    numbers = []
+    for thing in things:
+        if id(thing) not in objects:
+            objects[id(thing)] = places.setdefault(thing, len(places))
+        numbers.append(objects[id(thing)])
+    return list(places), numbers
 
 
 def _by_unit(table: Table) -> np.ndarray:

@@ -12,6 +12,8 @@ from ship_gym.config import ConfigError
 from ship_gym.conventions import PSI
 from ship_gym.envs.env import ShipEnv
 from ship_gym.evaluation import rollout
+from ship_gym.scenarios import sea_range
+from ship_gym.sea import components
 from ship_gym.sea.gusts import turbulence_intensity
 
 ID = "ShipGym/HeadingKeeping-v0"
@@ -158,3 +160,22 @@ def test_a_smaller_wind_has_its_own_turbulence():
 def test_two_overrides_of_one_section_are_refused_where_one_would_be_lost():
     with pytest.raises(ConfigError, match="'sea' is given twice"):
         ShipEnv(overrides={"sea": 5, "sea.states": ["ss5"]})
+
+
+@pytest.mark.parametrize(
+    ("given", "most"),
+    [
+        ({}, 4),  # ss3 to ss6
+        ({"overrides": {"sea.current_speed": 0.3, "duration": 300.0}}, 4),
+        ({"ship": "kcs_model"}, 8),  # validated at full scale, sailed at that of the model
+    ],
+)
+def test_every_weather_is_made_once_in_a_make(monkeypatch, given, most):
+    sea_range._weathers.cache_clear()
+    components._of_system.cache_clear()
+    cut, calls = components.equal_energy, []
+    monkeypatch.setattr(components, "equal_energy", lambda *a: (calls.append(1), cut(*a))[1])
+    gym.make("ShipGym/HeadingKeeping-v0", **given)
+    assert len(calls) == most
+    gym.make("ShipGym/HeadingKeeping-v0", **given)
+    assert len(calls) == most  # and the next environment of the same seas has them already

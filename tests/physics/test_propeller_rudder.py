@@ -7,13 +7,12 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from ship_gym.physics.dynamics import forces
 from ship_gym.physics.interpolate import cell
 from ship_gym.physics.propeller import advance_ratio
 from ship_gym.physics.rudder import STALL, beaufoy, normal_force, race_speed_squared
 from ship_gym.ships import available_ships, load_ship
 from ship_gym.surrogates.regression import Regression
-from tests.conftest import symmetric, tables_of
+from tests.conftest import forces, symmetric, tables_of
 
 D35 = math.radians(35.0)
 N_CFD, D, S_R, RHO = 10.4, 0.105, 0.0096, 999.103

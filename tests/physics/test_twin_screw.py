@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from ship_gym.manoeuvres import turning_circle
-from ship_gym.physics.dynamics import forces, unit_forces
+from ship_gym.physics.dynamics import unit_forces
 from ship_gym.ships import load_ship
 from ship_gym.simulation import self_propulsion
 from ship_gym.surrogates.regression import Regression
 from ship_gym.surrogates.samples import ONRT
-from tests.conftest import tables_of
+from tests.conftest import forces, tables_of
 
 D35, N, D, S_R = math.radians(35.0), 8.97, 0.1066, 0.012
 SHIP = load_ship("onrt_model")

@@ -8,17 +8,12 @@ import math
 import numpy as np
 import pytest
 
-from ship_gym.conventions import FORCE_COMPONENTS
-from ship_gym.plotting.figure import COMPONENTS
+from ship_gym.conventions import FORCE_COMPONENTS, FORCES
 from ship_gym.plotting.seaway import (
-    HeadingRun,
     _share_text,
-    bow_to_waves,
-    plot_headings,
     plot_turning_in_waves,
     seen_motion,
 )
-from ship_gym.recording import Trajectory
 from ship_gym.reports.case import sail, sea_of
 from ship_gym.ships.loader import load_ship
 
@@ -35,8 +30,8 @@ def is_picture(path) -> bool:
 
 
 def test_every_component_has_its_own_colour():
-    assert set(COMPONENTS) == set(FORCE_COMPONENTS)
-    assert len(set(COMPONENTS.values())) == len(FORCE_COMPONENTS)
+    for colours in ([f.colour for f in FORCES], [f.on_dark for f in FORCES]):
+        assert len(set(colours)) == len(FORCE_COMPONENTS)
 
 
 def test_sway_is_to_starboard_and_yaw_is_added():
@@ -46,11 +41,6 @@ def test_sway_is_to_starboard_and_yaw_is_added():
     assert psi == pytest.approx([0.5 * math.pi + 0.1])
 
 
-def test_angle_between_bow_and_waves():
-    found = bow_to_waves(np.radians([0.0, 20.0, -70.0, 200.0, 380.0]), 20.0)
-    assert found == pytest.approx([20.0, 0.0, 90.0, 180.0, 0.0], abs=1e-9)
-
-
 def test_irregular_sea_has_no_share_at_first(tmp_path, case):
     assert _share_text(case).count("%") == 2
     water, _ = sea_of(case.ship, "ss5", wave_from_deg=30.0)
@@ -58,11 +48,3 @@ def test_irregular_sea_has_no_share_at_first(tmp_path, case):
     assert _share_text(case).count("%") == 1
     plot_turning_in_waves(case, tmp_path / "turn.png")
     assert is_picture(tmp_path / "turn.png")
-
-
-def test_headings(tmp_path, case):
-    t = case.result.trajectory
-    t = Trajectory({name: values[::20] for name, values in t.columns.items()}, {})
-    runs = [HeadingRun(angle, t, t, t) for angle in (20.0, 120.0)]
-    plot_headings(runs, tmp_path / "heading.png", "title", "details")
-    assert is_picture(tmp_path / "heading.png")

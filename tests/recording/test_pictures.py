@@ -55,7 +55,8 @@ def test_arrows_point_where_their_names_say():
     assert ways["ordered_heading"] == pytest.approx([1.0, 0.0, 0.0])
     assert ways["current"] == pytest.approx([0.0, 1.0, 0.0])
     assert ways["wind"] == pytest.approx([-1.0, 0.0, 0.0])
-    assert ways["disturbance"] == pytest.approx([-1.0, 0.0, 0.0])  # starboard of east is south
+    # starboard of east is south
+    assert ways["disturbance_force"] == pytest.approx([-1.0, 0.0, 0.0])
 
 
 def test_wake_is_whole_and_bounded():

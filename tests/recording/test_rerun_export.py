@@ -79,7 +79,7 @@ def test_everything_is_shown_and_small(tmp_path):
     shown = entities(path)
     for name in ("hull", "house", "rudder", "propeller", "ahead"):
         assert f"/world/ship/{name}" in shown
-    for name in ("compass", "ordered_heading", "current", "wind", "disturbance"):
+    for name in ("compass", "ordered_heading", "current", "wind", "disturbance_force"):
         assert f"/world/at_ship/{name}" in shown
     for name in ("heading", "heading_error", "rudder", "rpm", "speed", "yaw_rate", "reward"):
         assert f"/plots/{name}" in shown

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from ship_gym.reports import environment_pages
-from ship_gym.reports.environment_pages import MOMENTS, name_of
+from pages import environment_pages
+from pages.environment_pages import MOMENTS, name_of
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 PICTURES = [f"{name_of(env_id)}.png" for env_id in MOMENTS]

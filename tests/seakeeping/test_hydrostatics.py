@@ -105,3 +105,23 @@ def test_capytaine_computes_the_same():
     assert centre[0] == pytest.approx(found.x_B, abs=2e-3 * ship.hull.L)
     assert centre[2] == pytest.approx(found.KB - ship.hull.d, rel=5e-3)
     assert lid(mesh).count > 0
+
+
+@pytest.mark.parametrize("name", ["kcs", "kvlcc2", "onrt"])
+def test_trimesh_computes_the_same(name):
+    """Volume, centre and surface, as the mean over both splits of the panels."""
+    trimesh = pytest.importorskip("trimesh")
+    mesh = parametric_mesh(load_ship(name))
+    found, whole = hydrostatics(mesh), mesh.both_sides()
+    splits = (((0, 1, 2), (0, 2, 3)), ((0, 1, 3), (1, 2, 3)))
+    halves = []
+    for split in splits:
+        faces = np.concatenate([whole.panels[:, corners] for corners in split])
+        solid = trimesh.Trimesh(whole.vertices, faces, process=False)
+        # the lid at z = 0, which is missing, adds nothing to the moments about the waterline
+        halves.append([solid.volume, *(solid.volume * solid.center_mass[[0, 2]]), solid.area])
+    volume, x, z, S = np.mean(halves, axis=0)
+    assert volume == pytest.approx(found.volume, rel=1e-12)
+    assert x / volume == pytest.approx(found.x_B, abs=1e-12 * mesh.length)
+    assert z / volume == pytest.approx(found.draught - found.KB, rel=1e-12)
+    assert S == pytest.approx(found.S, rel=1e-12)

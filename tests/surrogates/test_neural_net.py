@@ -15,7 +15,7 @@ from ship_gym.surrogates.neural_net import (
     network_outputs,
     train_network,
 )
-from ship_gym.surrogates.unsteady import DATA
+from ship_gym.surrogates.samples import DATA
 
 
 @pytest.fixture(scope="module")

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from reproduce.unsteady import eq_21, motion
 from ship_gym.config import ConfigError
 from ship_gym.surrogates.regression import FEATURES, Regression, features
-from ship_gym.surrogates.unsteady import eq_21, motion
 
 
 @pytest.mark.parametrize(

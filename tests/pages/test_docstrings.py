@@ -1,6 +1,4 @@
-import pytest
-
-from ship_gym.reports.docstrings import Field, fields, intro, returned, table
+from pages.docstrings import Field, fields, intro, returned
 
 
 def documented():
@@ -50,10 +48,3 @@ def test_intro_and_returned():
     assert intro(documented) == "First line, with a second.\n\nA paragraph with `code`."
     assert intro(plain) == "Only a line."
     assert returned(documented) == ["`a` [m]", "`b` in words", "Also `c`"]
-
-
-def test_table():
-    assert table(("A", "B"), [["a|b", "c"]]) == "| A | B |\n| --- | --- |\n| a\\|b | c |"
-    for rows in ([], [["only one"]]):
-        with pytest.raises(ValueError, match="2 cells"):
-            table(("A", "B"), rows)

@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 
 import gymnasium as gym
 
+from pages import scenario_page
+from pages.docstrings import returned, table
 from ship_gym.conventions import KNOT
 from ship_gym.envs.env import ShipEnv
 from ship_gym.envs.episodes import N_ACTIONS, EpisodeBatch
 from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.provenance import atomic_path
-from ship_gym.reports import scenario_page
-from ship_gym.reports.docstrings import returned, table
 from ship_gym.tasks import privileged
 from ship_gym.tasks.bridge import OUTCOMES
 

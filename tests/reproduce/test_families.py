@@ -5,11 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from reproduce import families
 from ship_gym.manoeuvres import turning_circle
-from ship_gym.physics.dynamics import forces
-from ship_gym.reports import families
 from ship_gym.ships import load_ship
-from tests.conftest import tables_of
+from tests.conftest import forces, tables_of
 
 
 @pytest.fixture(scope="module")

@@ -15,13 +15,13 @@ from ship_gym.reports.surrogate_printed import (
     printed_regression_means,
     printed_totals,
 )
-from ship_gym.reports.text import paragraph, table
 from ship_gym.surrogates.base import mean_size, percent_error
 from ship_gym.surrogates.error_budget import error_budget, sigma_n
 from ship_gym.surrogates.fit import fit, noise_of
 from ship_gym.surrogates.gaussian_process import GaussianProcess
 from ship_gym.surrogates.regression import features
 from ship_gym.surrogates.samples import KCS, ONRT, SINGLE, DataSet
+from ship_gym.text import paragraph, table
 
 _MISSING = (
     "all 16- and 24-point sets (B.13, 5.10, half of 3.7-3.10, most of 3.11), KCS with k-omega SST "

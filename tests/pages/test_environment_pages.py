@@ -10,9 +10,8 @@ from pathlib import Path
 import gymnasium as gym
 import pytest
 
-from ship_gym.envs.registration import ENVIRONMENTS
-from ship_gym.reports import environment_pages, scenario_page
-from ship_gym.reports.environment_pages import (
+from pages import environment_pages, scenario_page
+from pages.environment_pages import (
     INDEX,
     MOMENTS,
     SCENARIOS,
@@ -20,6 +19,7 @@ from ship_gym.reports.environment_pages import (
     outdated,
     write_pages,
 )
+from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.scenarios import available_scenarios, load_scenario
 from ship_gym.scenarios.scenario import TASKS
 from ship_gym.tasks import observations_of

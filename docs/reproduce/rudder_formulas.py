@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,13 +16,13 @@ import numpy as np
 from ship_gym.conventions import DELTA, FLOW_F_N, FLOW_J, N, R, U, V
 from ship_gym.csv_file import CsvTable, read_csv
 from ship_gym.physics.rudder import beaufoy
-from ship_gym.reports.text import paragraph, percent, table
-from ship_gym.ships.loader import DATA, load_ship
+from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.scaling import scaled
 from ship_gym.simulation import ShipSim, longest_step, self_propulsion
+from ship_gym.text import paragraph, percent, table
 
-PRINTED = DATA / "kcs_model" / "stern_2021_rudder.csv"
+PRINTED = Path(__file__).parent / "data" / "stern_2021_rudder.csv"
 ANGLE = math.radians(35.0)
 _SETTLED = 80  # approach times L / U0 after which the turn is steady
 A_MOVABLE, OF_LENGTH = 0.0080, 3.057  # [m2] at [m], Knight (2021); F_N is measured on it

@@ -6,9 +6,9 @@ import math
 from typing import Any
 
 from ship_gym.reports.case import sail, sail_trial
-from ship_gym.reports.text import paragraph, percent, table
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
+from ship_gym.text import paragraph, percent, table
 
 FAMILIES = {"regression": "G2_SA", "process": "gp", "network": "nn"}
 TURNING = ("max_advance", "max_transfer", "steady_diameter", "steady_speed_ratio", "steady_thrust")

@@ -2,8 +2,8 @@
 
 import pytest
 
-from ship_gym.reports.unsteady import as_dict, as_text
-from ship_gym.surrogates.unsteady import compare_seeds
+from reproduce.unsteady import compare_seeds
+from reproduce.unsteady_tables import as_dict, as_text
 
 
 @pytest.fixture(scope="module")

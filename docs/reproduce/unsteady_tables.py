@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from reproduce.unsteady import EARLY_STOPPING, NOISE, OUTPUTS, REGRESSION_ORDER
 from ship_gym.csv_file import CsvTable, read_csv
-from ship_gym.reports.text import paragraph, table
-from ship_gym.surrogates.unsteady import EARLY_STOPPING, NOISE, OUTPUTS, REGRESSION_ORDER
+from ship_gym.text import paragraph, table
 
 COLUMNS = ("training_loss", *OUTPUTS, "loss")
 
@@ -25,7 +25,7 @@ def as_dict(comparison: dict[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     comparison : dict
-        Of ``surrogates.unsteady.compare_seeds``.
+        Of ``unsteady.compare_seeds``.
     """
     orders, stopping = read_csv(REGRESSION_ORDER), read_csv(EARLY_STOPPING)
     levels = [f"{level:.1e}" for level in stopping.columns["training_loss"]]

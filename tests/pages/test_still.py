@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
+from pages.still import still
 from ship_gym import ENVIRONMENTS
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController
-from ship_gym.evaluation.still import still
 
 pytest.importorskip("PIL")
 

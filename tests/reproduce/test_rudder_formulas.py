@@ -7,8 +7,8 @@ import math
 
 import pytest
 
+from reproduce import rudder_formulas as report
 from ship_gym.manoeuvres import turning_circle
-from ship_gym.reports import rudder_formulas as report
 from ship_gym.ships.loader import load_ship
 from ship_gym.simulation import self_propulsion
 

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from itertools import takewhile
 from pathlib import Path
 
+from pages.docstrings import Field, fields, intro, table
 from ship_gym.config import merged, read_toml
 from ship_gym.envs.env import ShipEnv
-from ship_gym.reports.docstrings import Field, fields, intro, table
 from ship_gym.scenarios import Scenario, available_scenarios, load_scenario, scenario, sea_range
 from ship_gym.scenarios.scenario import TASKS
 from ship_gym.sea.spectra import WaveSystem

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import NamedTuple
+
+from ship_gym.text import table as text_table
+
+table = functools.partial(text_table, markdown=True)
 
 _FIELDS = re.compile(r"^(?:Attributes|Parameters)\n-+\n(.*?)(?=^\w+\n-+$|\Z)", re.M | re.S)
 _RETURNS = re.compile(r"^Returns\n-+\n(.*?)(?=^\w+\n-+$|\Z)", re.M | re.S)
-
-
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Markdown table; bars in cells are escaped, an empty table is an error."""
-    if not rows or any(len(row) != len(header) for row in rows):
-        raise ValueError(f"table {list(header)}: needs rows of {len(header)} cells")
-    lines = [header, ["---"] * len(header), *rows]
-    cells = [[cell.replace("|", "\\|") for cell in line] for line in lines]
-    return "\n".join(f"| {' | '.join(line)} |" for line in cells)
 
 
 def intro(thing: type | Callable) -> str:

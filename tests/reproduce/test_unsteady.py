@@ -5,9 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ship_gym.config import ConfigError
-from ship_gym.csv_file import read_csv
-from ship_gym.surrogates.unsteady import (
+from reproduce.unsteady import (
     EARLY_STOPPING,
     NOISE,
     ORDERS,
@@ -22,6 +20,8 @@ from ship_gym.surrogates.unsteady import (
     series,
     ship_wake,
 )
+from ship_gym.config import ConfigError
+from ship_gym.csv_file import read_csv
 
 
 def printed_losses(path):

@@ -1,0 +1,1 @@
+"""Writing of the pages under docs/environments from what the code says. Not in the wheel."""

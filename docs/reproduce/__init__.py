@@ -1,0 +1,1 @@
+"""Paper tables and pictures recomputed: ours beside what the sources print. Not in the wheel."""
