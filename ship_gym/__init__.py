@@ -11,7 +11,7 @@ import importlib.util
 import pkgutil
 from typing import Any
 
-from ship_gym.envs.registration import ENVIRONMENTS, register_all, register_task
+from ship_gym.envs.registration import ENVIRONMENTS, load_task, register_all, register_task
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.base import class_name
 
@@ -41,7 +41,7 @@ _PUBLIC = {
     "self_propulsion": "ship_gym.simulation",
 }
 
-__all__ = [*sorted(_PUBLIC), "ENVIRONMENTS", "register_task", "__version__"]
+__all__ = [*sorted(_PUBLIC), "ENVIRONMENTS", "load_task", "register_task", "__version__"]
 
 register_all()
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
+
 from gymnasium.envs.registration import register, registry
 
+from ship_gym import own_files
+from ship_gym.config import ConfigError, check_known
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.base import Task, class_name, env_id
 
@@ -44,6 +48,39 @@ def register_task(task: Task) -> None:
         TASKS.forget(task.name, before)
         raise
     _register(task.name, task.version)
+
+
+def load_task(name_or_file: str | os.PathLike) -> Task:
+    """A task by name, or one of a Python file, which is known then.
+
+    Parameters
+    ----------
+    name_or_file : str or path
+        One of ``ship_gym.tasks.TASKS``, or a file that calls ``ship_gym.register_task``;
+        ``file.py:NAME`` registers the `Task` of that name in it. The file is run.
+
+    Raises
+    ------
+    ConfigError
+        An unknown name, no such file, an error while it runs, no task in it or several.
+    """
+    file = own_files.split(name_or_file)
+    if file is None:
+        return TASKS[str(name_or_file)]
+    path, wanted = file
+    here = {k: v for k, v in vars(own_files.load_file(path)).items() if isinstance(v, Task)}
+    if wanted:
+        task = here[check_known(f"Task in {path}", wanted, here)]
+        if TASKS.outside().get(task.name) is not task:
+            register_task(task)
+        return task
+    known = [task for task in here.values() if TASKS.outside().get(task.name) is task]
+    if len(known) != 1:
+        raise ConfigError(
+            f"{path}: registers {len(known)} tasks ({', '.join(t.name for t in known)}); one is "
+            f"needed, or {path}:NAME with the name of a Task in it"
+        )
+    return known[0]
 
 
 def _register(name: str, version: int) -> None:

@@ -12,10 +12,11 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import ship_gym
+from ship_gym import load_task
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import compare, metrics, rollout, table
 from ship_gym.evaluation.controller import ConstantController
-from ship_gym.tasks import TASKS, load_task
+from ship_gym.tasks import TASKS
 from ship_gym.tasks.columns import observation_columns
 
 FILE = Path(__file__).with_name("hold_yaw_rate.py")
