@@ -40,8 +40,8 @@ def wave_table_of(ship: Ship) -> WaveTable:
             f"{ship.name} has no wave table, which a sea with waves needs; {_remedy(ship)}"
         )
     table = _table(ship.wave_table)
-    made, h = table.card["made_for"], ship.hull
-    for name in ("B", "d"):
+    made, h = table.card.get("made_for"), ship.hull
+    for name in ("B", "d") if made else ():  # a table that is made by hand may not say
         given, wanted = made[name] / made["L"], getattr(h, name) / h.L
         if abs(given / wanted - 1.0) > _SAME_HULL:
             raise ConfigError(
