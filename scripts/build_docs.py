@@ -8,7 +8,7 @@ from pathlib import Path
 from _cli import parser, progress, run, show
 from ship_gym_agents import make_controller
 
-from pages.environment_pages import MOMENTS, name_of, outdated, write_pages
+from pages.environment_pages import env_ids, name_of, outdated, task_of, write_pages
 from pages.still import still
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "environments"
@@ -42,9 +42,9 @@ def main() -> None:
     if not args.no_pictures:
         from ship_gym.rendering.png import save_png  # first: its library may be missing
     files = write_pages(args.out)
-    for env_id in progress(() if args.no_pictures else MOMENTS, "pictures"):
+    for env_id in progress(() if args.no_pictures else env_ids(), "pictures"):
         files.append(args.out / f"{name_of(env_id)}.png")
-        name, seed, intervals = MOMENTS[env_id]
+        name, seed, intervals = task_of(env_id).moment
         save_png(still(make_controller(name), env_id, seed, intervals), files[-1])
     wrote = "\n".join(f"wrote {file}" for file in files)
     show(args.json, {"files": [str(file) for file in files]}, wrote)

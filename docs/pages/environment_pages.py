@@ -9,38 +9,34 @@ import inspect
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import gymnasium as gym
 
 from pages import scenario_page
 from pages.docstrings import returned, table
 from ship_gym.conventions import KNOT
+from ship_gym.envs.docstring import observation_table
 from ship_gym.envs.env import ShipEnv
-from ship_gym.envs.episodes import N_ACTIONS, EpisodeBatch
+from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.provenance import atomic_path
-from ship_gym.tasks import privileged
-from ship_gym.tasks.bridge import OUTCOMES
+from ship_gym.tasks import TASKS, privileged
+from ship_gym.tasks.base import Task
+from ship_gym.tasks.columns import ACTIONS
 
 INDEX, SCENARIOS = "README.md", "scenarios.md"
 _NOTE = "<!-- Written by scripts/build_docs.py from the code: change that, then run it. -->\n\n"
 
 
-class Moment(NamedTuple):
-    """What a picture shows: who steers, which episode, after how many control intervals."""
-
-    controller: str
-    seed: int
-    intervals: int
+def env_ids() -> list[str]:
+    """Ids of the package's own tasks, each of which has a page."""
+    return [env_id for env_id, task in ENVIRONMENTS.items() if task not in TASKS.outside()]
 
 
-# moments at which something is going on
-MOMENTS = {
-    "ShipGym/HeadingKeeping-v0": Moment("pid", 2, 120),
-    "ShipGym/CourseChanging-v0": Moment("pid", 1, 330),
-    "ShipGym/TrackFollowing-v0": Moment("ilos", 0, 700),
-}
+def task_of(env_id: str) -> Task:
+    """The task of an id."""
+    return TASKS[ENVIRONMENTS[env_id]]
 
 
 def name_of(env_id: str) -> str:
@@ -50,7 +46,7 @@ def name_of(env_id: str) -> str:
 
 def pages() -> dict[str, str]:
     """Text of every page by file name, without the pictures they show."""
-    texts = {f"{name_of(env_id)}.md": page(env_id) for env_id in ENVIRONMENTS}
+    texts = {f"{name_of(env_id)}.md": page(env_id) for env_id in env_ids()}
     texts |= {SCENARIOS: scenario_page.page(), INDEX: index()}
     return {name: _NOTE + text for name, text in texts.items()}
 
@@ -75,14 +71,14 @@ def outdated(folder: str | os.PathLike) -> list[str]:
     there = {path.name for path in folder.glob("*.md")}
     wrong = there ^ set(texts)
     wrong |= {n for n in there & set(texts) if (folder / n).read_text("utf-8") != texts[n]}
-    pictures = {f"{name_of(env_id)}.png" for env_id in ENVIRONMENTS}
+    pictures = {f"{name_of(env_id)}.png" for env_id in env_ids()}
     return sorted(wrong | {name for name in pictures if not (folder / name).is_file()})
 
 
 def index() -> str:
     """Page that leads to the others."""
     rows = []
-    for env_id in ENVIRONMENTS:
+    for env_id in env_ids():
         env = gym.make(env_id).unwrapped
         link = f"[`{env_id}`]({name_of(env_id)}.md)"
         size = str(env.observation_space.shape[0])
@@ -93,7 +89,7 @@ def index() -> str:
         "Action: the rudder, or rudder and propeller speed. Every default of an id is a key of its "
         f"scenario: [scenarios and their keys]({SCENARIOS}). Times are those of the full-scale "
         "ship; a model gets them Froude-scaled.",
-        *(f"[![{env_id}]({name_of(env_id)}.png)]({name_of(env_id)}.md)" for env_id in ENVIRONMENTS),
+        *(f"[![{env_id}]({name_of(env_id)}.png)]({name_of(env_id)}.md)" for env_id in env_ids()),
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -102,7 +98,8 @@ def page(env_id: str) -> str:
     """Page of one id."""
     env = gym.make(env_id).unwrapped
     _, info = env.reset(seed=0)
-    moment = MOMENTS[env_id]
+    task = task_of(env_id)
+    moment = task.moment
     after = _span(moment.intervals * env.scenario.control_interval)
     sections = inspect.getdoc(type(env)).partition("\n\n")[2]
     parts = [
@@ -117,11 +114,11 @@ def page(env_id: str) -> str:
         "What `step` and `reset` return as `info`:",
         _info_keys(info),
         "In words, for the n ships of a vector environment; for one ship, n rows are a plain row:",
-        "\n".join(f"- {text}" for text in returned(EpisodeBatch.info)),
-        f"Outcomes: {', '.join(f'{k} {text}' for k, text in enumerate(OUTCOMES))}.",
+        "\n".join(f"- {text}" for text in (*returned(EpisodeBatch.info), *_own_info(task))),
+        f"Outcomes: {', '.join(f'{k} {end.name}' for k, end in enumerate(task.all_outcomes))}.",
         "## Privileged Observation",
         "What no bridge knows. With `privileged=True` it follows the observation above.",
-        _observations(privileged.OBSERVATIONS, env.observation_space.shape[0]),
+        observation_table(privileged.OBSERVATIONS, env.observation_space.shape[0]),
         "## Scenario",
         f"Keys that `{env.scenario_name}` and its bases state; `overrides` replaces any of them. "
         f"[All keys]({SCENARIOS}#every-key), [other scenarios]({SCENARIOS}).",
@@ -137,7 +134,7 @@ def _headline(env: ShipEnv) -> str:
 def _summary(env_id: str, env: ShipEnv) -> dict[str, str]:
     """What the live environment is, by name."""
     scenario, ship = env.scenario, env.ship
-    actions = [f"`{_made(env_id, control=c).action_space}` for `control={c!r}`" for c in N_ACTIONS]
+    actions = [f"`{_made(env_id, control=c).action_space}` for `control={c!r}`" for c in ACTIONS]
     more = _made(env_id, privileged=True).observation_space.shape[0]
     space = env.observation_space
     modes = " or ".join(f"`{mode!r}`" for mode in env.metadata["render_modes"])
@@ -168,18 +165,16 @@ def _span(seconds: float) -> str:
 
 
 def _failure(env: ShipEnv) -> str:
-    limits = env.scenario.limits
-    if env.scenario.on_track:
-        return f"cross-track error beyond {limits.cross_track:g} L"
-    return f"heading error beyond {limits.heading_error_deg:g} deg"
+    return TASKS[env.scenario.task].fails(env.scenario)
 
 
 def _limits(env: ShipEnv) -> str:
-    """What terminates an episode: success on a track, and failure."""
-    if not env.scenario.on_track:
-        return _failure(env)
-    reached = f"last way-point reached, within {env.scenario.track.acceptance:g} L or abeam"
-    return f"{reached}; {_failure(env)}"
+    """What terminates an episode: its aim reached, where it has one, and failure."""
+    return "; ".join(filter(None, (TASKS[env.scenario.task].succeeds(env.scenario), _failure(env))))
+
+
+def _own_info(task: Task) -> list[str]:
+    return [task.info_text] if task.info_text else []
 
 
 def _info_keys(info: Mapping[str, Any]) -> str:
@@ -190,15 +185,6 @@ def _info_keys(info: Mapping[str, Any]) -> str:
         holds = ", ".join(f"`{k}`" for k in value) if nested else type(value).__name__
         rows.append([f"`{key}`", holds])
     return table(("Key", "Holds"), rows)
-
-
-def _observations(rows: tuple, first: int) -> str:
-    """Table of observations, numbered from `first` on, in the columns of the docstrings."""
-    cells = [
-        [str(first + k), symbol, unit, f"{low:g}", f"{high:g}", meaning]
-        for k, (symbol, unit, low, high, meaning) in enumerate(rows)
-    ]
-    return table(("Num", "Symbol", "Unit", "Min", "Max", "Meaning"), cells)
 
 
 def _stated(env: ShipEnv) -> str:

@@ -14,9 +14,10 @@ from pages.docstrings import Field, fields, intro, table
 from ship_gym.config import merged, read_toml
 from ship_gym.envs.env import ShipEnv
 from ship_gym.scenarios import Scenario, available_scenarios, load_scenario, scenario, sea_range
-from ship_gym.scenarios.scenario import TASKS
+from ship_gym.scenarios.scenario import scenario_class
 from ship_gym.sea.spectra import WaveSystem
 from ship_gym.sea.state import Sea
+from ship_gym.tasks import TASKS
 
 FOLDER = Path(scenario.__file__).parent
 _INTRO = """\
@@ -73,17 +74,32 @@ def keys_of(cls: type, prefix: str = "") -> list[Key]:
     return [_key(prefix, name, _explained(name, cls)) for name in names]
 
 
-def section_classes() -> dict[str, type]:
-    """Name to class of the sections of a scenario."""
-    hints = typing.get_type_hints(Scenario)
-    return {name: cls for name, cls in hints.items() if dataclasses.is_dataclass(cls)}
+def tasks() -> list[str]:
+    """Names of the package's own tasks."""
+    return [name for name in TASKS if name not in TASKS.outside()]
+
+
+def section_classes() -> dict[str, list[type]]:
+    """Name to classes of the sections of the scenarios; tasks may have a class of their own."""
+    found: dict[str, list[type]] = {}
+    for task in tasks():
+        for name, cls in typing.get_type_hints(scenario_class(TASKS[task])).items():
+            if dataclasses.is_dataclass(cls) and cls not in found.setdefault(name, []):
+                found[name].append(cls)
+    return found
+
+
+def section_keys(section: str) -> list[Key]:
+    """Keys of a section, as the first of its classes that has one documents it."""
+    keys = [keys_of(cls, f"{section}.") for cls in section_classes()[section]]
+    return list({key.name: key for part in reversed(keys) for key in part}.values())
 
 
 def all_keys() -> dict[str, Key]:
     """Every key of a scenario by name, those without a section first."""
     found = keys_of(Scenario)
-    for section, cls in section_classes().items():
-        found += keys_of(cls, f"{section}.")
+    for section in section_classes():
+        found += section_keys(section)
     return {key.name: key for key in found}
 
 
@@ -95,20 +111,35 @@ def value_of(resolved: Scenario, name: str) -> typing.Any:
     return value
 
 
+def has_key(resolved: Scenario, name: str) -> bool:
+    """Whether a scenario has a dotted key."""
+    try:
+        value_of(resolved, name)
+    except AttributeError:
+        return False
+    return True
+
+
 def shown(value: typing.Any) -> str:
     """A value as a scenario file has it, in Markdown."""
     return "not set" if value is None else f"`{json.dumps(value)}`"
 
 
 def stated_keys(name: str) -> list[str]:
-    """Dotted keys that a scenario of the package or one of its bases states, in their order."""
-    return _dotted(_values(name))
+    """Dotted keys that a scenario of the package or one of its bases states, in their order.
+
+    Without those of a base that only the base's task has.
+    """
+    resolved = load_scenario(name)
+    return [key for key in _dotted(_values(name)) if has_key(resolved, key)]
 
 
 def page() -> str:
     """The page in Markdown."""
-    files = [[f"`{name}`", _base(name), _comment(name)] for name in available_scenarios()]
-    defaults = {task.partition("_")[0]: load_scenario(task) for task in TASKS}
+    outside = TASKS.outside()
+    names = [name for name in available_scenarios() if name not in outside]
+    files = [[f"`{name}`", _base(name), _comment(name)] for name in names]
+    defaults = {task.partition("_")[0]: load_scenario(task) for task in tasks()}
     parts = [
         "# Scenarios",
         _INTRO,
@@ -122,9 +153,9 @@ def page() -> str:
         "### Top level",
         _key_table(keys_of(Scenario), defaults),
     ]
-    for section, cls in section_classes().items():
-        keys = keys_of(cls, f"{section}.")
-        parts += [f"### [{section}]", intro(cls), _key_table(keys, defaults)]
+    for section, classes in section_classes().items():
+        keys = section_keys(section)
+        parts += [f"### [{section}]", intro(classes[0]), _key_table(keys, defaults)]
     return "\n\n".join(parts) + "\n"
 
 
@@ -134,9 +165,13 @@ def _key_table(keys: list[Key], defaults: Mapping[str, Scenario]) -> str:
 
 
 def _default(name: str, defaults: Mapping[str, Scenario]) -> str:
-    """Default of a key; where the tasks differ, one for each of them."""
-    values = {task: shown(value_of(resolved, name)) for task, resolved in defaults.items()}
-    if len(set(values.values())) == 1:
+    """Default of a key; where the tasks differ or not all have it, one for each that has."""
+    values = {
+        task: shown(value_of(resolved, name))
+        for task, resolved in defaults.items()
+        if has_key(resolved, name)
+    }
+    if len(values) == len(defaults) and len(set(values.values())) == 1:
         return next(iter(values.values()))
     return ", ".join(f"{task}: {value}" for task, value in values.items())
 
