@@ -30,8 +30,8 @@ def wave_table_of(ship: Ship) -> WaveTable:
     """Wave table of a ship at any scale; a ship without one is a ConfigError."""
     if not ship.wave_table:
         raise ConfigError(
-            f"{ship.name} has no wave table; compute it: python scripts/build_wave_table.py "
-            f"--ship {ship.name}"
+            f"{ship.name} has no wave table; compute it: ship-gym build-wave-table "
+            "--ship NAME_OR_FILE"
         )
     return _table(ship.wave_table)
 

@@ -1,0 +1,314 @@
+"""Options that mean the same in every verb, and the types that refuse a value before any work."""
+
+from __future__ import annotations
+
+import math
+import os
+import tomllib
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+from click.shell_completion import CompletionItem
+
+SEEDS = 2**32 - 1  # the largest seed that every random generator here takes
+
+
+class Number(click.ParamType):
+    """A finite number within [low, high]; outside, one line that names option, value and range.
+
+    Parameters
+    ----------
+    low, high : float
+        Allowed range, ends included.
+    unit : str
+        For the message.
+    kind : type
+        float or int.
+    """
+
+    def __init__(
+        self, low: float = -math.inf, high: float = math.inf, unit: str = "-", kind: type = float
+    ):
+        self.low, self.high, self.unit, self.kind = low, high, unit, kind
+        self.name = "integer" if kind is int else "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The number of a text."""
+        option = param.opts[0] if param else "value"
+        try:
+            number = self.kind(value)
+        except ValueError:
+            raise click.UsageError(f"{option} = {value}: must be a {self._what()}", ctx) from None
+        if not (math.isfinite(number) and self.low <= number <= self.high):
+            raise click.UsageError(f"{option} = {value}: allowed is {self._range()}", ctx)
+        return number
+
+    def _what(self) -> str:
+        return "whole number" if self.kind is int else f"number [{self.unit}]"
+
+    def _range(self) -> str:
+        if self.low == -math.inf and self.high == math.inf:
+            return f"a finite number [{self.unit}]"
+        return f"{self.low:.10g} to {self.high:.10g} [{self.unit}]"
+
+
+def whole(low: int, high: int) -> Number:
+    """A whole number within [low, high]."""
+    return Number(low, high, kind=int)
+
+
+class OutFile(click.ParamType):
+    """A file to write: its extension, and that it can be written, are checked before any work.
+
+    Parameters
+    ----------
+    suffix : str
+        Extension with its dot.
+    """
+
+    name = "file"
+
+    def __init__(self, suffix: str):
+        self.suffix = suffix
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path of a text."""
+        path, option = Path(value), param.opts[0] if param else "file"
+        if value == "" or isinstance(value, Path):  # an option without its value, or a default
+            return path
+        if path.suffix.lower() != self.suffix:
+            raise click.UsageError(f"{option} {path}: allowed is a {self.suffix} file", ctx)
+        if path.is_dir():
+            raise click.UsageError(f"{option} {path}: that is a folder", ctx)
+        _check_writable(path.parent, f"{option} {path}", ctx)
+        return path
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        """How the help shows it."""
+        return f"FILE{self.suffix}"
+
+    def shell_complete(self, ctx, param, incomplete: str) -> list[CompletionItem]:
+        """Files of the shell."""
+        return [CompletionItem(incomplete, type="file")]
+
+
+class OutFolder(click.ParamType):
+    """A folder to write into."""
+
+    name = "folder"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path of a text."""
+        path, option = Path(value), param.opts[0] if param else "folder"
+        if value != "":
+            _check_writable(path, f"{option} {path}", ctx)
+        return path
+
+    def shell_complete(self, ctx, param, incomplete: str) -> list[CompletionItem]:
+        """Folders of the shell."""
+        return [CompletionItem(incomplete, type="dir")]
+
+
+def _check_writable(folder: Path, what: str, ctx: click.Context | None) -> None:
+    """Refuse a folder that can neither be written into nor made."""
+    there = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    if not there.is_dir():
+        raise click.UsageError(f"{what}: {there} is a file, not a folder", ctx)
+    if not os.access(there, os.W_OK):
+        raise click.UsageError(f"{what}: no permission to write into {there}", ctx)
+
+
+class Name(click.ParamType):
+    """A name or a file, checked by the verb; a shell completes the names and, without one, files.
+
+    Parameters
+    ----------
+    kind : str
+        Key of ``names.NAMES``.
+    """
+
+    def __init__(self, kind: str):
+        self.kind, self.name = kind, "name"
+
+    def shell_complete(self, ctx, param, incomplete: str) -> list[CompletionItem]:
+        """Names that begin so."""
+        from ship_gym_agents.cli.names import NAMES
+
+        found = [name for name in NAMES[self.kind]() if name.startswith(incomplete)]
+        return [CompletionItem(name) for name in found] or [CompletionItem(incomplete, type="file")]
+
+
+class Several(click.Option):
+    """An option that takes all values that follow it, and may be given again."""
+
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, multiple=True, **kwargs)
+
+
+class MayStandAlone(click.Option):
+    """An option whose value may be left out; it is then the empty text."""
+
+
+class Verb(click.Command):
+    """A command whose help ends with examples.
+
+    Parameters
+    ----------
+    examples : sequence of str
+        What follows the name of the verb, with a comment if it needs one.
+    notes : str
+        More text at the end of the help.
+    """
+
+    def __init__(self, *args, examples: Sequence[str] = (), notes: str = "", **kwargs):
+        super().__init__(*args, **kwargs)
+        self.examples, self.notes = examples, notes
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse with ``--option a b`` as ``--option a --option b`` where an option allows it."""
+        return super().parse_args(ctx, self._expanded(args))
+
+    def _expanded(self, args: list[str]) -> list[str]:
+        kinds = {opt: p for p in self.params for opt in p.opts}
+        made, args = [], list(args)
+        while args:
+            word, kind = args.pop(0), None
+            kind = kinds.get(word)
+            if isinstance(kind, Several):
+                values = []
+                while args and not args[0].startswith("-"):
+                    values.append(args.pop(0))
+                for value in values or [""]:
+                    made += [word, value]
+            elif isinstance(kind, MayStandAlone) and (not args or args[0].startswith("-")):
+                made += [word, ""]
+            else:
+                made.append(word)
+                takes_value = isinstance(kind, click.Option) and not kind.is_flag
+                made += [args.pop(0)] if takes_value and args else []
+        return made
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Examples as they can be typed, then the notes."""
+        formatter.write("\nexamples:\n")
+        for example in self.examples:
+            formatter.write(f"  {ctx.command_path} {example}".rstrip() + "\n")
+        if self.notes:
+            formatter.write(f"\n{self.notes.strip()}\n")
+
+
+def verb(*examples: str, notes: str = "") -> Callable[[Callable], click.Command]:
+    """Make a function a verb with ``--json`` (argument `as_json`) and examples in its help."""
+
+    def decorate(function: Callable) -> click.Command:
+        function = click.option(
+            "--json", "as_json", is_flag=True, help="Print the result as JSON on stdout."
+        )(function)
+        return click.command(
+            cls=Verb,
+            examples=examples,
+            notes=notes,
+            context_settings={
+                "help_option_names": ["-h", "--help"],
+                "max_content_width": 100,
+                "show_default": True,
+            },
+        )(function)
+
+    return decorate
+
+
+def ship(text: str = "the scenario's", default: str | None = None):
+    """Option ``--ship``."""
+    text = "Name or ship file." if default else f"Name or ship file; default: {text}."
+    return click.option("--ship", type=Name("ships"), default=default, help=text)
+
+
+def seed(text: str, default: int | None = 0, largest: int = SEEDS):
+    """Option ``--seed``."""
+    return click.option("--seed", type=whole(0, largest), default=default, help=text)
+
+
+def out(suffix: str, text: str, name: str = "--out", default: str | None = None):
+    """An option for a file to write."""
+    return click.option(name, type=OutFile(suffix), default=default, help=text)
+
+
+def report():
+    """Option ``--report [FILE.html]``; ``output.report_page`` says which file it means."""
+    return click.option(
+        "--report",
+        cls=MayStandAlone,
+        type=OutFile(".html"),
+        help="Write a page with all pictures and tables; alone: beside the table file.",
+    )
+
+
+def jobs():
+    """Option ``--jobs``."""
+    return click.option(
+        "--jobs", type=whole(1, 1024), default=os.cpu_count() or 1, help="Processes."
+    )
+
+
+def environment(whose: str = "heading_keeping, kcs, rudder"):
+    """Options of what is sailed: ``--scenario``, ``--task``, ``--ship``, ``--control``, ``--set``.
+
+    Parameters
+    ----------
+    whose : str
+        What the defaults are.
+    """
+    made = (
+        click.option(
+            "--scenario",
+            type=Name("scenarios"),
+            help=f"Name or TOML file; scenario, ship and control default to {whose}.",
+        ),
+        click.option(
+            "--task",
+            type=Name("tasks"),
+            help="A task, by its name or as your own FILE.py[:NAME]; brings its scenario.",
+        ),
+        click.option("--ship", type=Name("ships"), help="Name or ship file."),
+        click.option("--control", type=Name("controls"), help="rudder or rudder+rpm."),
+        click.option(
+            "--set",
+            "overrides",
+            cls=Several,
+            metavar="KEY=VALUE",
+            callback=_overrides,
+            help="Key of the scenario and its TOML value, as in sensors.noise=false; several.",
+        ),
+    )
+
+    def decorate(function: Callable) -> Callable:
+        for option in reversed(made):
+            function = option(function)
+        return function
+
+    return decorate
+
+
+def _overrides(ctx: click.Context, param: click.Parameter, given: Sequence[str]) -> dict[str, Any]:
+    """Pairs KEY=VALUE as a mapping of dotted keys."""
+    found: dict[str, Any] = {}
+    for pair in given:
+        key, equals, value = pair.partition("=")
+        if not (key.strip() and equals):
+            raise click.UsageError(f"--set {pair}: must be KEY=VALUE", ctx)
+        if key.strip() in found:
+            raise click.UsageError(f"--set {pair}: {key.strip()} is given twice", ctx)
+        found[key.strip()] = _toml_value(value.strip())
+    return found
+
+
+def _toml_value(text: str) -> Any:
+    """The value of a TOML text; what is none is the text itself, so that names need no quotes."""
+    try:
+        found = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text
+    return found["value"] if len(found) == 1 else text
