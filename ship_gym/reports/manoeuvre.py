@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import shlex
 from typing import Any
 
 from ship_gym.config import check_known
@@ -301,7 +302,7 @@ def all_as_text(cases: list[Case], files: list[list[str]], ship: str) -> str:
 
 
 def _what_next(cases: list[Case], name: str) -> str:
-    delta = math.degrees(cases[0].delta)
+    name, delta = shlex.quote(name), math.degrees(cases[0].delta)
     if len(cases) > 1:
         return f"next: ship-gym simulate turning --ship {name} --variant ... --surrogate ..."
     what, other = ("turning", "zigzag")

@@ -16,7 +16,7 @@ import click
 
 from ship_gym_agents.cli.output import run
 
-# verb -> one line of help; the verb "fit-surrogate" is `command` of the module fit_surrogate
+# verb -> one line of help; the verb fit-surrogate is `command` of the module fit_surrogate
 VERBS = {
     "train": "Train a policy: validated on separate seas, best one kept, can be resumed.",
     "evaluate": "Sail controllers on the same evaluation episodes; print their metrics.",
@@ -60,8 +60,8 @@ class _Verbs(click.Group):
 
 def load_verb(verb: str) -> click.Command:
     """The click command of a verb."""
-    module = importlib.import_module(f"ship_gym_agents.cli.{verb.replace('-', '_')}")
-    return module.command
+    name = "listing" if verb == "list" else verb.replace("-", "_")  # list is a word of Python
+    return importlib.import_module(f"ship_gym_agents.cli.{name}").command
 
 
 def _version(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
