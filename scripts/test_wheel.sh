@@ -20,7 +20,7 @@ Environment: PYTHON (Python >= 3.11 to use), SHIP_GYM_VENV (default .venv).
 
 Examples:
   bash scripts/test_wheel.sh
-  bash scripts/test_wheel.sh --clean   # what a stranger's pip install does; a minute or two more
+  bash scripts/test_wheel.sh --clean   # what a stranger's pip install does; some minutes more
 HELP
 }
 

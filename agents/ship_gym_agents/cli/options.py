@@ -51,7 +51,8 @@ class Number(click.ParamType):
     def _range(self) -> str:
         if self.low == -math.inf and self.high == math.inf:
             return f"a finite number [{self.unit}]"
-        return f"{self.low:.10g} to {self.high:.10g} [{self.unit}]"
+        unit = "" if self.unit == "-" else f" [{self.unit}]"
+        return f"{self.low:.10g} to {self.high:.10g}{unit}"
 
 
 def whole(low: int, high: int) -> Number:
@@ -174,7 +175,7 @@ class Verb(click.Command):
         kinds = {opt: p for p in self.params for opt in p.opts}
         made, args = [], list(args)
         while args:
-            word, kind = args.pop(0), None
+            word = args.pop(0)
             kind = kinds.get(word)
             if isinstance(kind, Several):
                 values = []
