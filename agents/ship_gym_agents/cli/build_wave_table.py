@@ -8,7 +8,8 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import Number, jobs, out, report, ship, verb
+from ship_gym_agents.cli.options import jobs, out, report, ship, verb
+from ship_gym_agents.cli.values import Number
 
 _HULL_FILE = ("scale", "forward", "up", "midship", "waterline")
 

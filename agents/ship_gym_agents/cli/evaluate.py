@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import Name, Several, environment, out, verb, whole
+from ship_gym_agents.cli.options import Several, environment, out, verb
+from ship_gym_agents.cli.values import Name, whole
 
 
 @verb(

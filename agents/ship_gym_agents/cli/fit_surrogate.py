@@ -9,18 +9,8 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import (
-    MayStandAlone,
-    Number,
-    OutFolder,
-    Several,
-    out,
-    report,
-    seed,
-    ship,
-    verb,
-    whole,
-)
+from ship_gym_agents.cli.options import MayStandAlone, Several, out, report, seed, ship, verb
+from ship_gym_agents.cli.values import Number, OutFolder, whole
 
 _COLUMNS = """
 columns of --samples: point [-], J [-], beta [deg], K_T [-] (or K_X [-]), C_Fx [-], C_Fy [-]; may be

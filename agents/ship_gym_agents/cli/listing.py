@@ -6,7 +6,8 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import Name, ship, verb
+from ship_gym_agents.cli.options import ship, verb
+from ship_gym_agents.cli.values import Name
 
 KINDS = ("ships", "scenarios", "tasks", "controllers", "surrogates", "seas")
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import click
 
-from ship_gym_agents.cli.options import Name, environment, out, seed, verb
+from ship_gym_agents.cli.options import environment, out, seed, verb
+from ship_gym_agents.cli.values import Name
 
 
 @verb(

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from ship_gym_agents.cli.options import Name, verb
+from ship_gym_agents.cli.options import verb
+from ship_gym_agents.cli.values import Name
 
 _KEPT = ("task", "controller", "seed", "outcome")
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import Name, Number, out, ship, verb
+from ship_gym_agents.cli.options import out, ship, verb
+from ship_gym_agents.cli.values import Name, Number
 
 # what trials do not take: they are sailed as they were measured
 _OPTIONS = (

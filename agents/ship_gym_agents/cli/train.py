@@ -7,15 +7,8 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import (
-    Name,
-    Number,
-    OutFolder,
-    environment,
-    seed,
-    verb,
-    whole,
-)
+from ship_gym_agents.cli.options import environment, seed, verb
+from ship_gym_agents.cli.values import Name, Number, OutFolder, whole
 
 
 @verb(

@@ -6,7 +6,8 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import environment, out, seed, verb, whole
+from ship_gym_agents.cli.options import environment, out, seed, verb
+from ship_gym_agents.cli.values import whole
 
 
 @verb(
