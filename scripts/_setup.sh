@@ -67,10 +67,10 @@ import importlib.util as util, pathlib, sys
 root, names = sys.argv[1], sys.argv[2:]
 specs = {name: util.find_spec(name) for name in names}
 here = pathlib.Path(specs["ship_gym"].origin).resolve().parent.parent == pathlib.Path(root)
-sys.exit(not (here and all(specs.values())))' "$ROOT" ship_gym numpy scipy numba gymnasium torch \
+sys.exit(not (here and all(specs.values())))' "$ROOT" ship_gym numpy scipy numba gymnasium click torch \
         stable_baselines3 sb3_contrib sklearn rerun matplotlib pyproj PIL moviepy \
-        pytest xdist pytest_cov hypothesis 2>/dev/null &&
-        [ -x "$VENV/bin/ruff" ] && [ -x "$VENV/bin/lint-imports" ]
+        pytest xdist pytest_cov hypothesis build 2>/dev/null &&
+        [ -x "$VENV/bin/ruff" ] && [ -x "$VENV/bin/lint-imports" ] && [ -x "$VENV/bin/ship-gym" ]
 }
 
 discard_broken() {

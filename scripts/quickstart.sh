@@ -36,22 +36,22 @@ while [ $# -gt 0 ]; do
     shift
 done
 
-# The whole job; every flag of the Python scripts is here and nowhere else.
+# The whole job; every flag of the verbs is here and nowhere else.
 job() {
     step "Training for $minutes minutes" \
-        scripts/train.py --minutes "$minutes" --out "$out"
+        train --minutes "$minutes" --out "$out"
     step "Evaluating on $episodes episodes" \
-        scripts/evaluate.py --policy "$out" --episodes "$episodes"
+        evaluate --policy "$out" --episodes "$episodes"
     step "Recording one voyage" \
-        scripts/record.py --policy "$out" --out "$out/rollout.rrd"
+        record --policy "$out" --out "$out/rollout.rrd"
     step "Simulating a turning circle" \
-        scripts/simulate.py --out "$out/turning_circle.png"
+        simulate --out "$out/turning_circle.png"
 }
 
-step() { # WHAT SCRIPT ARGUMENTS...
+step() { # WHAT VERB ARGUMENTS...
     say "$1"
     shift
-    "$PY" "$@"
+    ship-gym "$@"
 }
 
 set_up
@@ -73,6 +73,6 @@ cat <<NEXT
 ==> Try next
       source $VENV/bin/activate
       rerun $out/rollout.rrd              # watch the voyage
-      python scripts/train.py --help                   # another ship, sea, algorithm, longer
-      python scripts/simulate.py --help                # other manoeuvres
+      ship-gym train --help               # another ship, sea, algorithm, longer
+      ship-gym simulate --help            # other manoeuvres
 NEXT

@@ -228,7 +228,8 @@ def zigzag(
             60.0 * ship.hull.L / U0,
         )
         if towards * run.sim.state[0, PSI] < target:
-            raise ConfigError(f"{ship.name}: heading {psi:.4g} rad not reached: no zig-zag")
+            degrees = math.degrees(psi)
+            raise ConfigError(f"{ship.name}: heading {degrees:.4g} deg not reached: no zig-zag")
         reversals.append(float(run.sim.time[0]))
         if k > 0:
             found.append(run.overshoot(start, -towards, target))

@@ -74,5 +74,5 @@ def told(path: Path, error: BaseException) -> str:
     text = str(error)
     if isinstance(error, SyntaxError) and error.filename == str(path):
         lines, text = [error.lineno], error.msg
-    place = f"{path}:{lines[-1]}: " if lines else f"{path}: "
+    place = f"{path}:{lines[-1]}: " if lines else ""
     return f"{place}{type(error).__name__}: {text}"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
 from pathlib import Path
 from typing import Any
 
@@ -85,13 +86,39 @@ class GainsFile:
 
 
 def gains_path(ship: str) -> Path:
-    """File of the tuned gains of a ship."""
+    """File of the tuned gains of a ship of the package."""
     return GAINS / f"pid_{ship}.toml"
+
+
+def own_gains() -> Path:
+    """Folder of a user's gains for ships that the package has none for."""
+    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return Path(data) / "ship_gym" / "gains"
+
+
+def place_for_gains(ship: str) -> Path:
+    """Where newly tuned gains of a ship belong: the package of a checkout, else `own_gains`.
+
+    Raises
+    ------
+    ConfigError
+        An installed package has gains of this ship: what `pid` means there stays the same.
+    """
+    path = gains_path(ship)
+    if (GAINS.parents[2] / "pyproject.toml").is_file():
+        return path
+    if path.is_file():
+        raise ConfigError(
+            f"ship {ship!r} comes with gains in the installed package; name a file for yours: "
+            f"--out runs/{path.name}"
+        )
+    return own_gains() / path.name
 
 
 def tuned_ships() -> list[str]:
     """Names of the ships with tuned gains."""
-    return sorted(path.stem.removeprefix("pid_") for path in GAINS.glob("pid_*.toml"))
+    files = [*GAINS.glob("pid_*.toml"), *own_gains().glob("pid_*.toml")]
+    return sorted({path.stem.removeprefix("pid_") for path in files})
 
 
 def load_gains(path: str | Path) -> GainsFile:
@@ -103,10 +130,12 @@ def gains_of(ship: Ship) -> Gains:
     """Tuned gains of a ship, or a ConfigError that says how to tune them."""
     path = gains_path(ship.name)
     if not path.is_file():
+        path = own_gains() / path.name
+    if not path.is_file():
         raise ConfigError(
             f"no PID gains for ship {ship.name!r} (tuned: {', '.join(tuned_ships())}); tune them "
-            "with: python scripts/tune.py --ship NAME_OR_FILE --out mine.toml, then take the "
-            "controller 'mine.toml', in Python make_controller('mine.toml')"
+            "with: ship-gym tune --ship NAME_OR_FILE --out mine.toml, then take the controller "
+            "'mine.toml', in Python make_controller('mine.toml')"
         )
     return load_gains(path).gains
 

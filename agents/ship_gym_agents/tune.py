@@ -21,7 +21,7 @@ from ship_gym.evaluation.rollout import Rollout, begin, rollout, tuning_seeds
 from ship_gym.provenance import atomic_path, versions
 from ship_gym.ships import load_ship
 from ship_gym.tasks.measures import control_cost
-from ship_gym_agents.pid import PID, Gains, GainsFile, gains_path, load_gains
+from ship_gym_agents.pid import PID, Gains, GainsFile, load_gains, place_for_gains
 from ship_gym_agents.wave_filter import LinearShip, LowPass, Observer, identify
 
 _FEEDBACK = ("K_p", "K_d", "K_v")
@@ -281,8 +281,9 @@ def settings(
     seed: int = 0,
     scenario: str = "heading_keeping",
     structures: Iterable[str] = tuple(STRUCTURES),
+    **more: Any,
 ) -> dict[str, Any]:
-    """What a tuning depends on, as a file of gains tells it."""
+    """What a tuning depends on, as a file of gains tells it; `more`: control, overrides."""
     first = tuning_seeds(1)[0]
     return {
         "objective": f"mean of J = mean(psi_e^2) + {LAMBDA:g} mean(delta^2) [deg2]",
@@ -291,13 +292,14 @@ def settings(
         "structures": list(structures),
         "seeds_tuning": [first, first + episodes - 1],
         "seeds_validation": [first + episodes, first + (1 + _VALIDATION) * episodes - 1],
+        **more,
     }
 
 
 def is_tuned(ship: str, how: Mapping[str, Any], path: str | Path | None = None) -> bool:
     """Whether a file of gains of this ship by these `settings` and this version is there."""
     name = load_ship(ship).name
-    path = gains_path(name) if path is None else Path(path)
+    path = place_for_gains(name) if path is None else Path(path)
     if not path.is_file():
         return False
     found = load_gains(path)
@@ -335,10 +337,10 @@ def _versions() -> dict[str, str]:
 
 
 def write_gains(found: GainsFile, path: str | Path | None = None) -> Path:
-    """Write a file of gains, by default where the PID looks for those of the ship."""
-    path = gains_path(found.ship) if path is None else Path(path)
+    """Write a file of gains, by default to ``pid.place_for_gains``, where the PID finds them."""
+    path = place_for_gains(found.ship) if path is None else Path(path)
     data = _given(dataclasses.asdict(found))
-    lines = ["# PID gains, see ship_gym_agents/pid.py; written by scripts/tune.py", *_toml(data)]
+    lines = ["# PID gains, see ship_gym_agents/pid.py; written by ship-gym tune", *_toml(data)]
     with atomic_path(path) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
@@ -367,6 +369,8 @@ def _key(name: str) -> str:
 def _literal(value: object) -> str:
     if isinstance(value, str):
         return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    if isinstance(value, bool):
+        return str(value).lower()
     if isinstance(value, list):
         return "[" + ", ".join(map(_literal, value)) + "]"
     if isinstance(value, int | float):

@@ -22,7 +22,7 @@ from ship_gym.ships.particulars import Ship
 
 _ADDRESS = "rerun+http://127.0.0.1:9876/proxy"  # of a viewer that rerun opens
 _SCHEMES = ("rerun", "rerun+http", "rerun+https")
-_INSTEAD = 'use render_mode = "rgb_array", or record the rollout with scripts/record.py'
+_INSTEAD = 'use render_mode = "rgb_array", or record the rollout with ship-gym record'
 _SETTLED = 1.0  # a viewer that finds no screen ends within this time [s]
 _REACH = 12.0  # sea that is shown around the start, and at least around the ship later [L]
 _ROOM = 2.0  # distance to its edge at which it grows [L]

@@ -194,6 +194,12 @@ def _angles(ship: Ship, kind: str, delta_deg: float | None, psi_deg: float | Non
         psi_deg = given[0] if psi_deg is None else psi_deg
     check_number("delta", delta_deg, -limit, limit, "deg")
     check_number("psi", psi_deg, -90.0, 90.0, "deg")
+    if kind == "turning_circle" and delta_deg == 0.0:
+        raise ConfigError("delta = 0 deg: a turning circle needs a rudder angle")
+    if kind == "zigzag" and delta_deg * psi_deg <= 0.0:
+        raise ConfigError(
+            f"delta = {delta_deg:.6g} deg, psi = {psi_deg:.6g} deg: must have one sign, not zero"
+        )
     # degrees of the limit itself must not fail on the last bit
     delta = min(max(math.radians(delta_deg), -ship.gear.delta_max), ship.gear.delta_max)
     return delta, math.radians(psi_deg)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import shlex
 from typing import Any
 
 from ship_gym.config import check_known
@@ -282,25 +283,32 @@ def estimates(ship: Ship) -> str:
     )
 
 
-def all_as_text(cases: list[Case], files: list[list[str]]) -> str:
-    """Reports of several cases, where each was written, and what to do next."""
+def all_as_text(cases: list[Case], files: list[list[str]], ship: str) -> str:
+    """Reports of several cases, where each was written, and what to do next.
+
+    Parameters
+    ----------
+    cases : list of Case
+    files : list of list of str
+        What was written of each.
+    ship : str
+        Name or ship file, as it was given.
+    """
     parts = [
         f"{as_text(case)}\nwrote {', '.join(written)}"
         for case, written in zip(cases, files, strict=True)
     ]
-    return "\n\n".join([*parts, estimates(cases[0].ship) + "\n" + _what_next(cases)])
+    return "\n\n".join([*parts, estimates(cases[0].ship) + "\n" + _what_next(cases, ship)])
 
 
-def _what_next(cases: list[Case]) -> str:
-    name, delta = cases[0].ship.name, math.degrees(cases[0].delta)
+def _what_next(cases: list[Case], name: str) -> str:
+    name, delta = shlex.quote(name), math.degrees(cases[0].delta)
     if len(cases) > 1:
-        return (
-            f"next: python scripts/simulate.py turning --ship {name} --variant ... --surrogate ..."
-        )
+        return f"next: ship-gym simulate turning --ship {name} --variant ... --surrogate ..."
     what, other = ("turning", "zigzag")
     if cases[0].manoeuvre == "zigzag":
         what, other = other, what
     return (
-        f"next: python scripts/simulate.py {what} --ship {name} --delta {-delta:.3g}"
-        f"   # the other side\n      python scripts/simulate.py {other} --ship {name}"
+        f"next: ship-gym simulate {what} --ship {name} --delta {-delta:.3g}"
+        f"   # the other side\n      ship-gym simulate {other} --ship {name}"
     )

@@ -54,7 +54,7 @@ def wave_table_of(ship: Ship) -> WaveTable:
 def _remedy(ship: Ship) -> str:
     named = ship.name if ship.name in available_ships() else "SHIP_FILE"
     return (
-        f"compute it: python scripts/build_wave_table.py --ship {named}, or sail without waves, as "
+        f"compute it: ship-gym build-wave-table --ship {named}, or sail without waves, as "
         "in scenario 'heading_slow_disturbance' or by overrides={'sea.states': [], "
         "'sea.gusts': False}"
     )

@@ -162,7 +162,7 @@ def test_gains_of_older_files_load(tmp_path):
 
 def test_a_ship_without_gains_says_how_to_tune():
     stranger = dataclasses.replace(load_ship("kcs"), name="stranger")
-    with pytest.raises(ConfigError, match=r"'stranger'.*scripts/tune.py"):
+    with pytest.raises(ConfigError, match=r"'stranger'.*ship-gym tune"):
         PID().reset(1, stranger, load_scenario())
 
 

@@ -114,7 +114,7 @@ def test_no_screen_is_said_at_once(monkeypatch, ship):
     monkeypatch.setattr(live.sys, "platform", "linux")
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    with pytest.raises(RuntimeError, match=r"no screen .*rgb_array.*scripts/record\.py"):
+    with pytest.raises(RuntimeError, match=r"no screen .*rgb_array.*ship-gym record"):
         live.LiveView(ship, "heading_keeping")
 
 

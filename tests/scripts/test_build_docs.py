@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from pages import environment_pages
-from pages.environment_pages import MOMENTS, name_of
+from pages.environment_pages import env_ids, name_of
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
-PICTURES = [f"{name_of(env_id)}.png" for env_id in MOMENTS]
+PICTURES = [f"{name_of(env_id)}.png" for env_id in env_ids()]
 
 pages = functools.lru_cache(environment_pages.pages)  # half a second each time
 

@@ -110,7 +110,7 @@ def test_json_has_the_card_and_the_comparison(call, grids):
 
 
 def test_from_reports_on_a_table_without_computing(call, grids, no_drawing, monkeypatch):
-    cli = importlib.import_module("_cli")
+    cli = importlib.import_module("ship_gym_agents.cli.output")
     there = cli.find_spec
     monkeypatch.setattr(cli, "find_spec", lambda n: None if n == "capytaine" else there(n))
     code, out, _ = call("--from", str(SHIPPED), "--report", "page.html")
@@ -131,8 +131,7 @@ def test_from_a_users_hull_goes_without_its_panels(call, no_drawing):
 
 @pytest.mark.parametrize("library, extra", [("capytaine", "bem"), ("joblib", "bem")])
 def test_a_missing_library_is_one_line_before_any_work(call, monkeypatch, library, extra):
-    call("--help")
-    cli = importlib.import_module("_cli")
+    cli = importlib.import_module("ship_gym_agents.cli.output")
     there = cli.find_spec
     monkeypatch.setattr(cli, "find_spec", lambda n: None if n == library else there(n))
     code, _, err = call()
@@ -141,8 +140,7 @@ def test_a_missing_library_is_one_line_before_any_work(call, monkeypatch, librar
 
 
 def test_a_page_without_matplotlib_is_refused_before_any_work(call, grids, monkeypatch):
-    call("--help")
-    cli = importlib.import_module("_cli")
+    cli = importlib.import_module("ship_gym_agents.cli.output")
     there = cli.find_spec
     monkeypatch.setattr(cli, "find_spec", lambda n: None if n == "matplotlib" else there(n))
     code, _, err = call("--report")

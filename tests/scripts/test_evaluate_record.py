@@ -1,50 +1,27 @@
-import importlib
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from ship_gym_agents.cli import output
 from ship_gym_agents.sb3.policy import POLICY_FILE, Actor, Normaliser, SB3Policy, save_policy
 
 from ship_gym.config import ConfigError
 from ship_gym.tasks.bridge import OBSERVATIONS
 
-SCRIPTS = Path(__file__).parents[2] / "scripts"
 
-
-@pytest.fixture
-def script(monkeypatch, tmp_path, capsys):
-    """Run a script in this process, in an empty folder: exit code, stdout, stderr."""
-    monkeypatch.syspath_prepend(str(SCRIPTS))
-    monkeypatch.chdir(tmp_path)
-
-    def call(name, *args):
-        monkeypatch.setattr(sys, "argv", [f"{name}.py", *map(str, args)])
-        code = 0
-        try:
-            importlib.import_module("_cli").run(importlib.import_module(name).main)
-        except SystemExit as stop:
-            code = stop.code
-        return code, *capsys.readouterr()
-
-    yield call
-    for name in ("_cli", "evaluate", "fit_surrogate", "record", "review", "simulate", "tune"):
-        sys.modules.pop(name, None)
-
-
-def test_evaluate_writes_what_it_prints(script, tmp_path):
-    code, out, _ = script("evaluate", "--episodes", 3, "--out", "e/found.json")
+def test_evaluate_writes_what_it_prints(cli, tmp_path):
+    code, out, _ = cli("evaluate", "--episodes", 3, "--out", "e/found.json")
     assert code == 0
     assert "constant - pid" in out and "seeds 2000000 to 2000002" in out
-    assert "wrote e/found.json" in out and "next: python scripts/record.py --controller pid" in out
+    assert "wrote e/found.json" in out and "next: ship-gym record --controller pid" in out
     found = json.loads((tmp_path / "e" / "found.json").read_text())
     assert found["reference"] == "pid" and len(found["episodes"]["pid"]["J_0.1"]) == 3
     assert found["versions"] and found["scenario"]["ship"] == "kcs"
 
 
-def test_evaluate_json(script):
-    code, out, _ = script("evaluate", "--controllers", "constant", "--episodes", 1, "--json")
+def test_evaluate_json(cli):
+    code, out, _ = cli("evaluate", "--controllers", "constant", "--episodes", 1, "--json")
     found = json.loads(out)
     assert code == 0 and found["file"] == "runs/evaluation.json"
     assert list(found["controllers"]) == ["constant"] and found["differences"] == {}
@@ -62,17 +39,17 @@ def policy(tmp_path):
     return "run"
 
 
-def test_evaluate_a_policy(script, policy, tmp_path):
-    code, out, _ = script("evaluate", "--policy", policy, "--episodes", 2)
+def test_evaluate_a_policy(cli, policy, tmp_path):
+    code, out, _ = cli("evaluate", "--policy", policy, "--episodes", 2)
     assert code == 0
-    assert "tiny - pid" in out and "next: python scripts/record.py --policy run" in out
+    assert "tiny - pid" in out and "next: ship-gym record --policy run" in out
     found = json.loads((tmp_path / "run" / "evaluation.json").read_text())
     assert list(found["controllers"]) == ["tiny", "pid", "constant"]
     assert found["controllers"]["tiny"]["success"]["value"] == 1.0
 
 
-def test_policy_for_another_control_is_refused_before_work(script, policy):
-    code, out, err = script("evaluate", "--policy", policy, "--control", "rudder+rpm")
+def test_policy_for_another_control_is_refused_before_work(cli, policy):
+    code, out, err = cli("evaluate", "--policy", policy, "--control", "rudder+rpm")
     assert (code, out) == (2, "") and "trained for control = 'rudder'" in err
 
 
@@ -83,49 +60,49 @@ def test_policy_for_another_control_is_refused_before_work(script, policy):
         (["evaluate", "--ship", "kcz"], "did you mean 'kcs'"),
         (["evaluate", "--control", "ruder"], "did you mean 'rudder'"),
         (["evaluate", "--episodes", "0"], "episodes = 0"),
-        (["evaluate", "--policy", "runs/nowhere"], "scripts/train.py"),
+        (["evaluate", "--policy", "runs/nowhere"], "ship-gym train"),
         (["record", "--controller", "pit"], "did you mean 'pid'"),
-        (["record", "--seed", "-1"], "seeds = [-1]"),
+        (["record", "--seed", "-1"], "--seed = -1: allowed is 0 to"),
         (["review", "nowhere.rrd"], "nowhere.rrd"),
         (["tune", "--ship", "kcz"], "did you mean 'kcs'"),
         (["tune", "--episodes", "0"], "episodes = 0"),
     ],
 )
-def test_errors_are_one_line_and_leave_nothing(script, tmp_path, arguments, message):
+def test_errors_are_one_line_and_leave_nothing(cli, tmp_path, arguments, message):
     if arguments[0] in ("record", "review"):
         pytest.importorskip("rerun")
-    code, out, err = script(*arguments)
+    code, out, err = cli(*arguments)
     assert (code, out) == (2, "")
     assert message in err and err.count("\n") == 1
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("name", ["evaluate", "record", "review", "tune"])
-def test_help_has_two_examples(script, name):
-    code, out, _ = script(name, "--help")
+def test_help_has_two_examples(cli, name):
+    code, out, _ = cli(name, "--help")
     assert code == 0
-    assert out.split("examples:")[1].count(f"python scripts/{name}.py") == 2
+    assert out.split("examples:")[1].count(f"ship-gym {name}") == 2
     assert "--json" in out
 
 
-def test_record_and_review(script, tmp_path):
+def test_record_and_review(cli, tmp_path):
     pytest.importorskip("rerun")
-    code, out, _ = script("record", "--controller", "constant", "--seed", 1000001, "--json")
+    code, out, _ = cli("record", "--controller", "constant", "--seed", 1000001, "--json")
     recorded = json.loads(out)
     assert code == 0 and Path(recorded["file"]) == Path("runs/rollout.rrd")
-    code, out, _ = script("review", recorded["file"], "--json")
+    code, out, _ = cli("review", recorded["file"], "--json")
     reviewed = json.loads(out)[recorded["file"]]
     assert reviewed["metrics"] == recorded["metrics"]
     assert (reviewed["controller"], reviewed["seed"]) == ("constant", 1000001)
-    code, out, _ = script("review", recorded["file"], "--csv")
+    code, out, _ = cli("review", recorded["file"], "--csv")
     rows = dict(line.split(",", 1) for line in out.splitlines())
     assert float(rows["J_1"].split(",")[1]) == recorded["metrics"]["J_1"]
 
 
-def test_review_refuses_other_files(script, tmp_path):
+def test_review_refuses_other_files(cli, tmp_path):
     pytest.importorskip("rerun")
     (tmp_path / "text.rrd").write_text("no recording")
-    code, _, err = script("review", "text.rrd")
+    code, _, err = cli("review", "text.rrd")
     assert code == 2 and "text.rrd" in err and err.count("\n") == 1
 
 
@@ -135,30 +112,28 @@ def test_review_refuses_other_files(script, tmp_path):
         ("record", (), "rerun", "rerun"),
         ("simulate", (), "matplotlib", "plot"),
         ("simulate", ("--rrd", "a.rrd"), "rerun", "rerun"),
-        ("fit_surrogate", ("--plot", "a.png"), "matplotlib", "plot"),
-        ("fit_surrogate", ("--report",), "matplotlib", "plot"),
+        ("fit-surrogate", ("--plot", "a.png"), "matplotlib", "plot"),
+        ("fit-surrogate", ("--report",), "matplotlib", "plot"),
     ],
 )
 def test_missing_extra_is_one_line_before_any_work(
-    script, monkeypatch, tmp_path, name, arguments, library, extra
+    cli, monkeypatch, tmp_path, name, arguments, library, extra
 ):
-    cli = importlib.import_module("_cli")
-    there = cli.find_spec
-    monkeypatch.setattr(cli, "find_spec", lambda n: None if n == library else there(n))
-    code, _, err = script(name, *arguments)
+    there = output.find_spec
+    monkeypatch.setattr(output, "find_spec", lambda n: None if n == library else there(n))
+    code, _, err = cli(name, *arguments)
     assert code == 2 and f'pip install "ship-gym[{extra}]"' in err and err.count("\n") == 1
     assert not list(tmp_path.iterdir())
 
 
-def test_run_lets_real_bugs_through(script):
-    cli = importlib.import_module("_cli")
+def test_run_lets_real_bugs_through():
     with pytest.raises(ZeroDivisionError):
-        cli.run(lambda: 1 / 0)
+        output.run(lambda: 1 / 0)
     for error in (ConfigError("a\nb"), ImportError("c"), KeyboardInterrupt(), OSError("d")):
 
         def fail(error=error):
             raise error
 
         with pytest.raises(SystemExit) as stop:
-            cli.run(fail)
+            output.run(fail)
         assert stop.value.code == 2

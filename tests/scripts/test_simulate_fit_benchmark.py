@@ -57,7 +57,7 @@ def test_simulate_sails_the_trial_without_arguments(call):
     assert words["tactical diameter"][:1] in (["3.09"], ["pass"])
     assert "10.2 rev/s" in out
     assert "engine.n_max" in out  # estimated
-    assert "next: python scripts/simulate.py" in out
+    assert "next: ship-gym simulate" in out
 
 
 def test_simulate_json_csv_and_recording(call):
@@ -262,5 +262,5 @@ def test_a_fit_whose_ship_does_not_turn_is_kept_and_warned_of(call, monkeypatch)
 def test_the_table_does_not_replace_its_samples(call):
     Path("mine.csv").write_text(KCS.path.read_text())
     code, _, err = call("fit_surrogate.py", "--samples", "mine.csv", "--out", "mine.csv")
-    assert code == 2 and "that is the file of the samples" in err
+    assert code == 2 and "--out mine.csv: allowed is a .npz file" in err
     assert Path("mine.csv").read_text() == KCS.path.read_text()

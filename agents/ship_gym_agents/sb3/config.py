@@ -266,6 +266,12 @@ def read_card(out: Path) -> dict[str, Any]:
         raise ConfigError(f"{file}: not valid JSON: {error}") from None
 
 
+def check_free(out: str | Path) -> None:
+    """Refuse a folder that holds a run."""
+    if (Path(out) / CARD_FILE).exists():
+        raise ConfigError(f"{out} holds a run; resume it or choose another folder")
+
+
 def plain(config: RunConfig) -> dict[str, Any]:
     """Config as JSON gives it back: tuples are lists there."""
     return json.loads(json.dumps(dataclasses.asdict(config)))

@@ -155,7 +155,7 @@ def load_policy(path: str | Path) -> SB3Policy:
     path = Path(path)
     file = path / POLICY_FILE if path.is_dir() else path
     if not file.is_file():
-        raise ConfigError(f"{file}: no such policy; train one with: python scripts/train.py")
+        raise ConfigError(f"{file}: no such policy; train one with: ship-gym train")
     try:
         with zipfile.ZipFile(file) as archive:
             card = json.loads(archive.read("card.json"))

@@ -25,7 +25,7 @@ def plan(
 
 
 def summary(card: Mapping[str, Any], out: str | Path) -> str:
-    """How training went, where the policy is and what to do next."""
+    """How training went and where the policy is."""
     best, seconds = card["best"], card["seconds"]
     rate = card["samples"] / seconds
     task = card["config"]["scenario"]["task"]
@@ -37,13 +37,5 @@ def summary(card: Mapping[str, Any], out: str | Path) -> str:
         f"validation {name} [{unit}]: {history}\n"
         f"best: {name} {best[name]:.4g} {unit}, return {best['return']:.2f}, success "
         f"{best['success']:.0%}, after {best['samples']} samples\n"
-        f"wrote {Path(out) / 'policy.zip'}, card.json and checkpoint\n"
-        f"next: python scripts/evaluate.py --policy {out}{_environment(card)}"
+        f"wrote {Path(out) / 'policy.zip'}, card.json and checkpoint"
     )
-
-
-def _environment(card: Mapping[str, Any]) -> str:
-    """Arguments for another ship or control than the default ones."""
-    scenario = card["config"]["scenario"]
-    default = {"ship": "kcs", "control": "rudder"}
-    return "".join(f" --{k} {scenario[k]}" for k, v in default.items() if scenario[k] != v)

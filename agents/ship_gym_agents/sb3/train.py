@@ -24,7 +24,7 @@ from ship_gym.scenarios.scenario import Scenario
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.columns import observation_columns
 from ship_gym_agents.sb3.budget import Budget
-from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, plain, read_card
+from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, check_free, plain, read_card
 from ship_gym_agents.sb3.policy import (
     POLICY_FILE,
     SB3Policy,
@@ -113,10 +113,10 @@ class _Run:
         resume: bool,
     ):
         self.config, self.out = config, out
+        card = self._earlier(resume)
         _compile_kernels(config.scenario)
         self.validations: list[dict[str, float]] = []
         self.best: SB3Policy | None = None
-        card = self._earlier(resume)
         self.budget = Budget(minutes, steps, card["seconds"] if card else 0.0)
         self.model = self._make_model()
         if card:
@@ -138,10 +138,8 @@ class _Run:
 
     def _earlier(self, resume: bool) -> dict[str, Any] | None:
         """Card of the run to resume; None for a new one."""
-        there = (self.out / CARD_FILE).exists()
         if not resume:
-            if there:
-                raise ConfigError(f"{self.out} holds a run; resume it or choose another folder")
+            check_free(self.out)
             return None
         card = read_card(self.out)
         if card["config"] != plain(self.config):

@@ -1,0 +1,95 @@
+"""The console command ``ship-gym``: one module for each verb, loaded when it is called.
+
+No module here imports more than click at its top: ``ship_gym``, NumPy and the rest come in where
+a verb begins to work, so that ``--help`` and completion answer at once.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Sequence
+from importlib import metadata
+from pathlib import Path
+
+import click
+
+from ship_gym_agents.cli.output import run
+
+# verb -> one line of help; the verb fit-surrogate is `command` of the module fit_surrogate
+VERBS = {
+    "train": "Train a policy: validated on separate seas, best one kept, can be resumed.",
+    "evaluate": "Sail controllers on the same evaluation episodes; print their metrics.",
+    "record": "Record one episode as a rerun file, read it back and compute its metrics.",
+    "review": "Print the metrics of recordings side by side, computed from the files.",
+    "simulate": "Sail a turning circle, a zig-zag or all trials of a ship.",
+    "tune": "Tune the PID by differential evolution on seeds kept for tuning.",
+    "fit-surrogate": "Fit a propeller and rudder surrogate to CFD points.",
+    "build-wave-table": "Compute a ship's wave table by boundary elements.",
+    "speed": "Measure how fast physics and environments step, beside Gymnasium's CartPole.",
+    "list": "List what can be named: ships, scenarios, tasks, controllers, surrogates.",
+    "completion": "Print the script that completes ship-gym in a shell.",
+}
+PROGRAM = "ship-gym"
+
+
+class _Verbs(click.Group):
+    """The verbs, each imported when it is asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """All verbs, in the order of the help."""
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of a verb; None if there is no such verb."""
+        return load_verb(cmd_name) if cmd_name in VERBS else None
+
+    def resolve_command(self, ctx: click.Context, args: list[str]):
+        """As click's, but an unknown verb names the nearest one."""
+        if args[0] not in VERBS and not args[0].startswith("-") and not ctx.resilient_parsing:
+            from ship_gym.config import check_known
+
+            check_known("verb", args[0], VERBS)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The table of verbs, without importing them."""
+        with formatter.section("Verbs"):
+            formatter.write_dl(list(VERBS.items()))
+
+
+def load_verb(verb: str) -> click.Command:
+    """The click command of a verb."""
+    name = "listing" if verb == "list" else verb.replace("-", "_")  # list is a word of Python
+    return importlib.import_module(f"ship_gym_agents.cli.{name}").command
+
+
+def _version(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
+    if wanted and not ctx.resilient_parsing:
+        click.echo(f"{PROGRAM} {metadata.version(PROGRAM)}")
+        ctx.exit()
+
+
+@click.group(
+    cls=_Verbs,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="Each verb has --help with examples, and --json.",
+)
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version)
+@click.pass_context
+def ship_gym(ctx: click.Context) -> None:
+    """Train, judge, record and simulate ship autopilots."""
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run ``ship-gym``; an error that a user can mend is one line on stderr and exit code 2."""
+    run(lambda: ship_gym.main(arguments, PROGRAM, standalone_mode=False))
+
+
+def run_script(verb: str) -> None:
+    """Run one verb as the script that was started, as ``scripts/train.py`` does."""
+    name = f"python scripts/{Path(sys.argv[0]).name}"
+    run(lambda: load_verb(verb).main(prog_name=name, standalone_mode=False))

@@ -1,0 +1,166 @@
+"""``ship-gym build-wave-table``."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ship_gym_agents.cli.options import jobs, out, report, ship, verb
+from ship_gym_agents.cli.values import Number
+
+_HULL_FILE = ("scale", "forward", "up", "midship", "waterline")
+
+
+@verb(
+    "--ship kcs_model --report",
+    "--ship my_ship.toml  # writes waves_my_ship.npz beside it",
+    "--ship my_ship.toml --mesh my_hull.stl --scale 0.001",
+    "--ship kcs_model --quick --out runs/coarse.npz",
+    "--from runs/waves_kcs_model.npz --report",
+)
+@ship("kcs_model; a file needs a section [form]")
+@click.option(
+    "--mesh",
+    type=click.Path(path_type=Path),
+    help="Hull file (STL, OBJ, GDF) instead of the drawn hull.",
+)
+@click.option("--scale", type=Number(1e-9, 1e9), default=1.0, help="Metres per unit of --mesh.")
+@click.option("--forward", default="+x", help="Axis of --mesh that points to the bow.")
+@click.option("--up", default="+z", help="Axis of --mesh that points upwards.")
+@click.option("--midship", type=Number(unit="m"), default=0.0, help="Midship in it [m], scaled.")
+@click.option("--waterline", type=Number(unit="m"), default=0.0, help="Its waterline [m], scaled.")
+@out(".npz", "Table file; default: waves_<ship>.npz, beside a ship file or in runs.")
+@click.option("--quick", is_flag=True, help="Coarse: 3 speeds, 7 headings, 12 waves.")
+@click.option(
+    "--froude", type=Number(0.0, 0.6), help="Largest speed; default: what the engine holds."
+)
+@jobs()
+@click.option(
+    "--from", "table", type=click.Path(path_type=Path), help="No computing: report on this table."
+)
+@report()
+def command(as_json, **options) -> None:
+    """Compute a ship's wave table by boundary elements.
+
+    Drift forces and motions in waves of all headings; a table serves the ship at any scale.
+    """
+    from ship_gym.seakeeping.table_checks import compare_with_snnm
+    from ship_gym_agents.cli.output import need, report_page, show
+
+    asked = Asked(**options)
+    if asked.report is not None:
+        need("matplotlib")
+    made = _existing(asked) if asked.table else _computed(asked)
+    files = [] if asked.table else [made.path]
+    if asked.report is not None:
+        from ship_gym.plotting.waves import write_wave_report
+
+        page = report_page(asked.report, made.path)
+        write_wave_report(page, made.table, made.ship, made.mesh, made.path)
+        files.append(page)
+    facts = {"file": str(made.path), **made.table.card, "snnm": compare_with_snnm(made.table)}
+    facts["files"] = [str(file) for file in files]
+    wrote = [f"wrote {file} ({file.stat().st_size / 1e6:.2f} MB)" for file in files]
+    show(as_json, facts, "\n".join([*_summary(made.table), *wrote]))
+
+
+@dataclasses.dataclass(frozen=True)
+class Asked:
+    """The options, as the help explains them."""
+
+    ship: str | None
+    mesh: Path | None
+    scale: float
+    forward: str
+    up: str
+    midship: float
+    waterline: float
+    out: Path | None
+    quick: bool
+    froude: float | None
+    jobs: int
+    table: Path | None
+    report: Path | None
+
+
+@dataclasses.dataclass(frozen=True)
+class Made:
+    """A table with its ship, its panels (None if they cannot be had) and its file."""
+
+    table: Any
+    ship: Any
+    mesh: Any
+    path: Path
+
+
+def _hull(asked: Asked, ship: Any):
+    """Panels of the hull: of the user's file, or drawn from the ship's form."""
+    from ship_gym.seakeeping import hull_file, hull_form
+
+    if asked.mesh is None:
+        return hull_form.parametric_mesh(ship)
+    where = {name: getattr(asked, name) for name in _HULL_FILE}
+    return hull_file.read_hull(asked.mesh, ship, **where)
+
+
+def _existing(asked: Asked) -> Made:
+    """The table of ``--from``."""
+    from ship_gym.config import ConfigError
+    from ship_gym.sea.wave_table import WaveTable
+    from ship_gym.ships.loader import available_ships, load_ship
+
+    if asked.out or asked.quick or asked.froude is not None:
+        raise ConfigError("--from reads a table: --out, --quick and --froude belong to computing")
+    table = WaveTable.load(asked.table)
+    if asked.ship is None and table.card["ship"] not in available_ships():
+        raise ConfigError(
+            f"{asked.table}: made for {table.card['ship']}; name its file with --ship"
+        )
+    ship = load_ship(asked.ship or table.card["ship"])
+    if ship.name != table.card["ship"]:
+        raise ConfigError(f"{asked.table}: made for {table.card['ship']}, not for {ship.name}")
+    if asked.mesh is None and not table.card["mesh"][0].startswith("parametric hull"):
+        return Made(table, ship, None, asked.table)  # from a hull file that was not named again
+    mesh = _hull(asked, ship)
+    if list(mesh.report) != table.card["mesh"]:
+        raise ConfigError(
+            f"{asked.table}: made with another mesh: {'; '.join(table.card['mesh'])}; "
+            f"found {'; '.join(mesh.report)}"
+        )
+    return Made(table, ship, mesh, asked.table)
+
+
+def _computed(asked: Asked) -> Made:
+    """A new table."""
+    from ship_gym.config import check_number
+    from ship_gym.reports.wave_table import largest_froude
+    from ship_gym.seakeeping import database
+    from ship_gym.ships.loader import load_ship
+    from ship_gym_agents.cli.output import need, progress
+
+    need("capytaine", "joblib")
+    ship = load_ship(asked.ship or "kcs_model")
+    fastest = largest_froude(ship) if asked.froude is None else asked.froude
+    check_number("froude", fastest, 0.0, 0.6)
+    grid = (database.QUICK if asked.quick else database.Grid()).up_to(fastest)
+    mesh = _hull(asked, ship)
+    # beside a ship file, where the ship finds it
+    own = str(asked.ship or "").endswith(".toml")
+    folder = Path(asked.ship).parent if own else Path("runs")
+    out = asked.out or folder / f"waves_{ship.name}.npz"
+    return Made(database.build(ship, mesh, out, grid, asked.jobs, progress), ship, mesh, out)
+
+
+def _summary(table: Any) -> list[str]:
+    """What was computed and whether it holds, as lines."""
+    card, checks = table.card, table.card["checks"]
+    largest = ", ".join(f"|{name}| {value:.3g}" for name, value in checks["largest"].items())
+    speeds = ", ".join(f"{x:g}" for x in table.froude)
+    return [
+        f"{card['ship']}: {card['panels']} panels, {card['minutes']} minutes, Fn {speeds}",
+        f"  energy balance at rest within {100.0 * checks['energy']:.1f} %",
+        f"  largest {largest}" + ("" if checks["within_bounds"] else ": beyond what is allowed"),
+    ]

@@ -1,0 +1,105 @@
+"""``ship-gym evaluate``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ship_gym_agents.cli.options import Several, environment, out, verb
+from ship_gym_agents.cli.values import Name, whole
+
+
+@verb(
+    "--policy runs/quickstart",
+    "--controller mylqr.py:LQR pid --ship kvlcc2 --episodes 128 --markdown",
+)
+@click.option("--policy", type=Name("controllers"), help="Folder or file of a trained policy.")
+@click.option(
+    "--controller",
+    "--controllers",
+    "controllers",
+    cls=Several,
+    type=Name("controllers"),
+    help="Sail these (too): names, policies, gains or your own FILE.py:NAME; "
+    "default: the autopilots of the task.",
+)
+@environment("the policy's, else heading_keeping, kcs, rudder")
+@click.option("--episodes", type=whole(1, 10**6), default=32, help="Number of seeds.")
+@out(".json", "Results; default: evaluation.json, in runs or the policy's folder.")
+@click.option("--markdown", is_flag=True, help="Print the tables for a README.")
+def command(as_json, policy, controllers, task, episodes, out, markdown, **options) -> None:
+    """Sail controllers on the same evaluation episodes; print their metrics.
+
+    Intervals: 95 % bootstrap over the episodes.
+    """
+    from ship_gym.evaluation import compare, evaluation_seeds, table
+    from ship_gym_agents.cli.output import next_command, show
+    from ship_gym_agents.cli.sailing import again
+
+    seeds = evaluation_seeds(episodes)
+    named, rollouts = _sail(policy, list(controllers), seeds, task, options)
+    sailed = [r.controller for r in rollouts]
+    usual = rollouts[0].task.controllers[0]
+    found = compare(rollouts, usual if usual in sailed else None)
+    out = out or _folder(policy) / "evaluation.json"
+    _write(found, out)
+    first = {"policy": policy} if policy else {"controller": named[0]}
+    following = next_command("record", **first, **again(options, task))
+    text = (
+        f"{found['ship']}, {len(seeds)} episodes (seeds {seeds[0]} to {seeds[-1]}), interquartile "
+        f"mean [95 % interval]; success: mean\n{table(found, markdown)}\n\n"
+        f"wrote {out}\nnext: {following}"
+    )
+    show(as_json, {**found, "file": str(out), "next": following}, text)
+
+
+def _sail(
+    policy: str | None, others: list[str], seeds: list[int], task: str | None, options: dict
+) -> tuple[list[str], list]:
+    """The controllers as named and a rollout of each, all refused before the first one sails."""
+    from ship_gym.evaluation import rollout
+    from ship_gym.evaluation.rollout import begin
+    from ship_gym_agents.cli.output import progress
+    from ship_gym_agents.cli.sailing import check_task, own_task, wanted
+    from ship_gym_agents.controllers import make_controller, trained_for
+
+    name = own_task(task)
+    first = [make_controller(policy)] if policy else []
+    env = wanted(options, name, trained_for(first[0]) if policy else None)
+    start = begin(seeds[:1], **env)
+    check_task(start.scenario.task, name, options["scenario"])
+    named = [name for name in others or start.task.controllers if name]
+    controllers = first + [make_controller(name) for name in named]
+    _check_names(controllers)
+    for controller in controllers:
+        controller.reset(1, start.ship, start.scenario)
+    return named, [
+        rollout(c, seeds=seeds, progress=lambda steps, c=c: progress(steps, c.name), **env)
+        for c in controllers
+    ]
+
+
+def _check_names(controllers: list) -> None:
+    """Refuse two controllers of one name: their results could not be told apart."""
+    from ship_gym.config import ConfigError
+
+    names = [controller.name for controller in controllers]
+    if not names:
+        raise ConfigError("--controller: nothing to sail; name at least one")
+    if double := sorted({name for name in names if names.count(name) > 1}):
+        raise ConfigError(f"two controllers are named {double[0]!r}; give one another name")
+
+
+def _folder(policy: str | None) -> Path:
+    return Path(policy) if policy and Path(policy).is_dir() else Path("runs")
+
+
+def _write(found: dict[str, Any], path: Path) -> None:
+    import json
+
+    from ship_gym.provenance import atomic_path
+
+    with atomic_path(path) as temporary:
+        temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

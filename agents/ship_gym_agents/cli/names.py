@@ -1,0 +1,65 @@
+"""What can be named, kind by kind, for ``ship-gym list`` and for the completion of a shell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+
+def ships() -> list[str]:
+    """Ships of the package."""
+    from ship_gym.ships.loader import available_ships
+
+    return available_ships()
+
+
+def scenarios() -> list[str]:
+    """Scenarios of the package."""
+    from ship_gym.scenarios.scenario import available_scenarios
+
+    return available_scenarios()
+
+
+def tasks() -> list[str]:
+    """Tasks that are registered."""
+    from ship_gym.tasks import TASKS
+
+    return list(TASKS)
+
+
+def controllers() -> list[str]:
+    """Autopilots and trained policies of the package."""
+    from ship_gym_agents.controllers import CONTROLLERS, pretrained
+
+    return [*CONTROLLERS, *pretrained()]
+
+
+def controls() -> list[str]:
+    """What a controller can command."""
+    from ship_gym.scenarios.scenario import CONTROLS
+
+    return list(CONTROLS)
+
+
+def seas() -> list[str]:
+    """Named seas."""
+    from ship_gym.sea.state import available_seas
+
+    return available_seas()
+
+
+def algorithms() -> list[str]:
+    """Algorithms of training."""
+    from ship_gym_agents.sb3.config import OPTIONS
+
+    return list(OPTIONS)
+
+
+NAMES: dict[str, Callable[[], list[str]]] = {
+    "ships": ships,
+    "scenarios": scenarios,
+    "tasks": tasks,
+    "controllers": controllers,
+    "seas": seas,
+    "algorithms": algorithms,
+    "controls": controls,
+}

@@ -1,0 +1,99 @@
+"""What every verb shares when it works: one-line errors, progress bar, JSON, needed libraries."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import click
+
+_REFUSED = 2  # exit code: nothing was done, or it was broken off
+_QUIET = 2.0  # seconds before a progress bar appears
+# library -> extra of ship-gym that brings it, and what for
+_EXTRAS = {
+    "rerun": ("rerun", "recordings"),
+    "matplotlib": ("plot", "pictures"),
+    "capytaine": ("bem", "wave tables"),
+    "joblib": ("bem", "wave tables"),
+    "stable_baselines3": ("rl", "training"),
+    "torch": ("rl", "training"),
+}
+
+
+def run(main: Callable[[], Any]) -> None:
+    """Call `main`; an error a user can mend is one line on stderr and exit code 2."""
+    try:
+        main()
+    except (KeyboardInterrupt, click.Abort):
+        sys.exit(_refuse("interrupted"))
+    except click.ClickException as error:
+        sys.exit(_refuse(f"error: {error.format_message()}"))
+    except (ImportError, OSError) as error:
+        sys.exit(_refuse(f"error: {error}"))
+    except ValueError as error:
+        from ship_gym.config import ConfigError  # late: it imports Gymnasium
+
+        if not isinstance(error, ConfigError):
+            raise
+        sys.exit(_refuse(f"error: {error}"))
+
+
+def _refuse(message: str) -> int:
+    print(" ".join(message.split()), file=sys.stderr)
+    return _REFUSED
+
+
+def need(*libraries: str) -> None:
+    """Refuse, before any work, what a library that is not installed would break off later."""
+    for library in libraries:
+        if find_spec(library) is None:
+            extra, purpose = _EXTRAS[library]
+            raise ImportError(f'{purpose} need {library}: pip install "ship-gym[{extra}]"')
+
+
+def progress(iterable: Iterable, description: str = "", total: int | None = None) -> Iterable:
+    """The iterable with a tqdm bar on a terminal after 2 s, if tqdm is installed; else as it is."""
+    try:
+        from tqdm import tqdm
+    except ImportError:
+        return iterable
+    # disable=None: no bar where stderr is no terminal
+    return tqdm(iterable, description, total, leave=False, delay=_QUIET, disable=None)
+
+
+def show(as_json: bool, data: Mapping[str, Any], text: str) -> None:
+    """Print `data` as JSON (``--json``) or `text` for people, on stdout."""
+    print(json.dumps(data, indent=2, allow_nan=False) if as_json else text)
+
+
+def next_command(verb: str, **options: Any) -> str:
+    """A ``ship-gym`` command to go on with, to be copied; options without a value are left out."""
+    words = ["ship-gym", verb]
+    for name, value in options.items():
+        option = f"--{name.replace('_', '-')}"
+        for each in value if isinstance(value, list | tuple) else [value]:
+            if each is not None:
+                words += [option, shlex.quote(str(each))]
+    return " ".join(words)
+
+
+def report_page(wanted: Path | None, table: Path) -> Path | None:
+    """File of the page: the one named, else beside the table; None without ``--report``."""
+    return table.with_suffix(".html") if wanted == Path() else wanted
+
+
+def check_different(**files: Path | None) -> None:
+    """Refuse two outputs that are one file."""
+    from ship_gym.config import ConfigError
+
+    seen: dict[Path, str] = {}
+    for option, path in files.items():
+        if path is None:
+            continue
+        if (other := seen.setdefault(path.resolve(), option)) != option:
+            raise ConfigError(f"--{option} {path}: --{other} writes that file")

@@ -1,0 +1,61 @@
+"""From the options of what is sailed to the arguments of a rollout, own tasks included."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+
+def own_task(task: str | None) -> str | None:
+    """Load the task of ``--task``, a name or FILE.py[:NAME]; its name, None without the option."""
+    if task is None:
+        return None
+    from ship_gym import load_task
+
+    return load_task(task).name
+
+
+def wanted(
+    options: Mapping[str, Any], task: str | None = None, known: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Arguments of ``rollout`` and ``run_config`` from options.
+
+    Parameters
+    ----------
+    options : mapping
+        ``scenario``, ``ship``, ``control``, ``overrides``, as ``options.environment`` gives them;
+        those left out are None or empty.
+    task : str, optional
+        Name of the task of ``--task``: its scenario is taken unless another one is asked for.
+    known : mapping, optional
+        What a policy was trained for; each may be replaced.
+    """
+    found = dict(known or {})
+    given = {key: value for key, value in options.items() if value not in (None, {})}
+    if task is not None and "scenario" not in given and _task_of(found) != task:
+        found["scenario"] = task
+    return found | given
+
+
+def _task_of(known: Mapping[str, Any]) -> str | None:
+    return known.get("scenario", {}).get("task")
+
+
+def check_task(sailed: str, task: str | None, scenario: Any) -> None:
+    """Refuse a scenario of another task than ``--task`` asks for."""
+    from ship_gym.config import ConfigError
+
+    if task is not None and sailed != task:
+        raise ConfigError(f"--task {task}: scenario {scenario} is of task {sailed!r}")
+
+
+def again(options: Mapping[str, Any], task: str | None) -> dict[str, Any]:
+    """The options of what is sailed, as ``output.next_command`` takes them."""
+    overrides = [f"{key}={_shown(value)}" for key, value in options["overrides"].items()]
+    kept = {key: options[key] for key in ("scenario", "ship", "control")}
+    return {**kept, "task": task, "set": overrides}
+
+
+def _shown(value: Any) -> str:
+    """A value of TOML; of names, truth and numbers that is what one types."""
+    return str(value).lower() if isinstance(value, bool) else str(value)

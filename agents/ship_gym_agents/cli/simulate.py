@@ -1,0 +1,112 @@
+"""``ship-gym simulate``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ship_gym_agents.cli.options import out, ship, verb
+from ship_gym_agents.cli.values import Name, Number
+
+# what trials do not take: they are sailed as they were measured
+_OPTIONS = (
+    *("delta_deg", "psi_deg", "speed", "n"),
+    *("sea", "wave_height", "wavelength", "wave_from_deg"),
+)
+_LOADING_COLOUR = {"turning_circle": "t", "zigzag": "delta"}
+
+
+@verb(
+    "                                  # KCS model beside its trial",
+    "zigzag --ship kvlcc2_model --delta -20",
+    "trials --ship kvlcc2_model        # every measured manoeuvre",
+    "turning --ship kcs --n 1.5 --sea current --csv runs/turn.csv",
+    "--ship kcs --sea ss5 --wave-from 45",
+    "--ship dtc_model --speed 1.48 --n 15.7 \\\n"
+    "      --wave-height 0.112 --wavelength 1.0          # regular waves, beside calm water",
+)
+@click.argument("what", default="turning", metavar="[turning|zigzag|trials]")
+@ship(default="kcs_model")
+@click.option("--surrogate", help="Propeller and rudder, e.g. G2_SA or none (MMG rudder).")
+@click.option("--variant", help="Other published hull set, e.g. hull_a.")
+@click.option("--delta", "delta_deg", type=Number(unit="deg"), help="Rudder [deg]; 35, zig-zag 10.")
+@click.option("--psi", "psi_deg", type=Number(unit="deg"), help="Zig-zag heading [deg].")
+@click.option("--speed", type=Number(unit="m/s"), help="Approach [m/s]; default: the ship's.")
+@click.option(
+    "--n", type=Number(unit="rev/s"), help="[rev/s]; default: the trial's, else self-propulsion."
+)
+@click.option("--sea", type=Name("seas"), default="calm", help="calm, current, ss2 to ss8, ...")
+@click.option("--wave-height", type=Number(unit="m"), help="Of a regular wave, 2 x amplitude [m].")
+@click.option("--wavelength", type=Number(unit="L"), help="Of a regular wave [ship lengths].")
+@click.option(
+    "--wave-from",
+    "wave_from_deg",
+    type=Number(unit="deg"),
+    help="Where waves come from [deg]; 0 is north.",
+)
+@out(".png", "Picture; default: runs/turning_circle.png or runs/zigzag.png.")
+@out(".png", "Also draw the propeller loading t'-q'-n'.", "--loading")
+@out(".csv", "Also write the time history.", "--csv")
+@out(".rrd", "Also write a rerun recording.", "--rrd")
+def command(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, **options) -> None:
+    """Sail a turning circle, a zig-zag or all trials of a ship.
+
+    Prints measures beside the trial and the IMO limits, and draws a picture; trials are all of the
+    ship file, sailed as measured. Angles are in degrees, positive to starboard.
+    """
+    from ship_gym.reports import manoeuvre as report
+    from ship_gym_agents.cli.output import check_different, need, progress, show
+
+    need("matplotlib", *(["rerun"] if rrd else []))
+    check_different(out=out, loading=loading)
+    extras = {"loading": loading, "csv": csv, "rrd": rrd}
+    cases, files = [], []
+    jobs = _jobs(what, ship, surrogate, variant, options)
+    for k, job in enumerate(progress(jobs, "sailing"), start=1):
+        cases.append(job())
+        files.append(_write(cases[-1], out, extras, f"_{k}" if what == "trials" else ""))
+    found = [report.as_dict(c) | {"files": f} for c, f in zip(cases, files, strict=True)]
+    data = {"trials": found} if what == "trials" else found[0]
+    show(as_json, data, report.all_as_text(cases, files, ship))
+
+
+def _jobs(what: str, ship: str, surrogate: str | None, variant: str | None, options: dict) -> list:
+    """What is to be sailed, each as a function without arguments."""
+    from ship_gym.config import ConfigError, check_known
+    from ship_gym.reports.case import MANOEUVRES, sail, sail_trial, trials
+    from ship_gym.ships.loader import load_ship
+
+    check_known("manoeuvre", what, [*MANOEUVRES, "trials"])
+    vessel = load_ship(ship, surrogate=surrogate, variant=variant)
+    if what != "trials":
+        return [lambda: sail(vessel, what, **options)]
+    given = [key for key in _OPTIONS if key != "sea" and options[key] is not None]
+    given += ["sea"] if options["sea"] != "calm" else []
+    if given:
+        raise ConfigError(f"{given[0]}: trials are sailed as measured; leave it out")
+    return [lambda t=t: sail_trial(vessel, t) for t in trials(vessel)]
+
+
+def _write(case: Any, out: Path | None, extras: dict[str, Path | None], number: str) -> list[str]:
+    """Write the picture and what else was asked for; return the paths, numbered if several."""
+    from ship_gym.plotting import plot_manoeuvre
+    from ship_gym.plotting.loading import plot_loading
+    from ship_gym.plotting.seaway import plot_turning_in_waves
+    from ship_gym.reports.manoeuvre import title
+
+    what = {"title": title(case), "colour": _LOADING_COLOUR[case.manoeuvre]}
+    history = case.result.trajectory
+    in_waves = case.calm is not None and case.manoeuvre == "turning_circle"
+    draw = plot_turning_in_waves if in_waves else plot_manoeuvre
+    jobs = (
+        (out or Path("runs") / f"{case.manoeuvre}.png", lambda path: draw(case, path)),
+        (extras["loading"], lambda path: plot_loading(history, case.ship, path, **what)),
+        (extras["csv"], history.to_csv),
+        (extras["rrd"], history.to_rrd),
+    )
+    paths = [(path.with_stem(path.stem + number), job) for path, job in jobs if path]
+    for path, job in paths:
+        job(path)
+    return [str(path) for path, _ in paths]

@@ -1,0 +1,137 @@
+"""Types of option values: numbers, files and names, refused in one line before any work."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import click
+from click.shell_completion import CompletionItem
+
+
+class Number(click.ParamType):
+    """A finite number within [low, high]; outside, one line that names option, value and range.
+
+    Parameters
+    ----------
+    low, high : float
+        Allowed range, ends included.
+    unit : str
+        For the message.
+    kind : type
+        float or int.
+    """
+
+    def __init__(
+        self, low: float = -math.inf, high: float = math.inf, unit: str = "-", kind: type = float
+    ):
+        self.low, self.high, self.unit, self.kind = low, high, unit, kind
+        self.name = "integer" if kind is int else "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The number of a text."""
+        option = param.opts[0] if param else "value"
+        try:
+            number = self.kind(value)
+        except ValueError:
+            raise click.UsageError(f"{option} = {value}: must be a {self._what()}", ctx) from None
+        if not (math.isfinite(number) and self.low <= number <= self.high):
+            raise click.UsageError(f"{option} = {value}: allowed is {self._range()}", ctx)
+        return number
+
+    def _what(self) -> str:
+        return "whole number" if self.kind is int else f"number [{self.unit}]"
+
+    def _range(self) -> str:
+        if self.low == -math.inf and self.high == math.inf:
+            return f"a finite number [{self.unit}]"
+        unit = "" if self.unit == "-" else f" [{self.unit}]"
+        return f"{self.low:.10g} to {self.high:.10g}{unit}"
+
+
+def whole(low: int, high: int) -> Number:
+    """A whole number within [low, high]."""
+    return Number(low, high, kind=int)
+
+
+class OutFile(click.ParamType):
+    """A file to write: its extension, and that it can be written, are checked before any work.
+
+    Parameters
+    ----------
+    suffix : str
+        Extension with its dot.
+    """
+
+    name = "file"
+
+    def __init__(self, suffix: str):
+        self.suffix = suffix
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path of a text."""
+        path, option = Path(value), param.opts[0] if param else "file"
+        if value == "" or isinstance(value, Path):  # an option without its value, or a default
+            return path
+        if path.suffix.lower() != self.suffix:
+            raise click.UsageError(f"{option} {path}: allowed is a {self.suffix} file", ctx)
+        if path.is_dir():
+            raise click.UsageError(f"{option} {path}: that is a folder", ctx)
+        _check_writable(path.parent, f"{option} {path}", ctx)
+        return path
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        """How the help shows it."""
+        return f"FILE{self.suffix}"
+
+    def shell_complete(self, ctx, param, incomplete: str) -> list[CompletionItem]:
+        """Files of the shell."""
+        return [CompletionItem(incomplete, type="file")]
+
+
+class OutFolder(click.ParamType):
+    """A folder to write into."""
+
+    name = "folder"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path of a text."""
+        path, option = Path(value), param.opts[0] if param else "folder"
+        if value != "":
+            _check_writable(path, f"{option} {path}", ctx)
+        return path
+
+    def shell_complete(self, ctx, param, incomplete: str) -> list[CompletionItem]:
+        """Folders of the shell."""
+        return [CompletionItem(incomplete, type="dir")]
+
+
+def _check_writable(folder: Path, what: str, ctx: click.Context | None) -> None:
+    """Refuse a folder that can neither be written into nor made."""
+    there = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    if not there.is_dir():
+        raise click.UsageError(f"{what}: {there} is a file, not a folder", ctx)
+    if not os.access(there, os.W_OK):
+        raise click.UsageError(f"{what}: no permission to write into {there}", ctx)
+
+
+class Name(click.ParamType):
+    """A name or a file, checked by the verb; a shell completes the names and, without one, files.
+
+    Parameters
+    ----------
+    kind : str
+        Key of ``names.NAMES``.
+    """
+
+    def __init__(self, kind: str):
+        self.kind, self.name = kind, "name"
+
+    def shell_complete(self, ctx, param, incomplete: str) -> list[CompletionItem]:
+        """Names that begin so."""
+        from ship_gym_agents.cli.names import NAMES
+
+        found = [name for name in NAMES[self.kind]() if name.startswith(incomplete)]
+        return [CompletionItem(name) for name in found] or [CompletionItem(incomplete, type="file")]

@@ -1,0 +1,73 @@
+"""Controllers by name: classical autopilots, learned policies, gains, a user's own.
+
+A controller has a `name`, `reset` and `act`, see ``ship_gym.evaluation.controller``. `CONTROLLERS`
+names those without training; `make_controller` also loads the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ship_gym.config import ConfigError, check_known
+from ship_gym.evaluation.controller import ConstantController, Controller
+from ship_gym_agents.los import ILOS, LOSPID
+from ship_gym_agents.pid import PID, load_gains
+from ship_gym_agents.plugins import is_own, own_controller
+
+CONTROLLERS: dict[str, Callable[[], Controller]] = {
+    "constant": ConstantController,
+    "pid": PID,
+    "los_pid": LOSPID,
+    "ilos": ILOS,
+}
+PRETRAINED = Path(__file__).parent / "pretrained"
+
+
+def pretrained() -> list[str]:
+    """Names of the policies that come with the package; their card is in the file."""
+    return sorted(path.stem for path in PRETRAINED.glob("*.zip"))
+
+
+def make_controller(name_or_path: str | Path) -> Controller:
+    """A controller or shipped policy by name; a policy, a PID or a user's own by its file.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        A key of `CONTROLLERS`; one of `pretrained()`; the path of a ``.toml`` file of PID gains;
+        the folder or ``.zip`` file of a policy trained by ``ship-gym train``; or
+        ``"file.py:Name"``: a controller of one's own, its class or what makes it.
+
+    Raises
+    ------
+    ConfigError
+        Unknown name (with the nearest one), no such file, or a file that is none of these.
+    """
+    name, path = str(name_or_path), Path(name_or_path)
+    if is_own(name):
+        return own_controller(name)
+    if path.suffix == ".toml":
+        return PID(load_gains(path).gains, name=path.stem)
+    shipped = name in pretrained()
+    if shipped or (name not in CONTROLLERS and path.exists()):
+        # Late: the import of this package is light, and an autopilot needs nothing of sb3.
+        from ship_gym_agents.sb3.policy import load_policy
+
+        policy = load_policy(PRETRAINED / f"{name}.zip" if shipped else path)
+        policy.name = name if shipped else policy.name
+        return policy
+    if path.suffix or len(path.parts) > 1:
+        raise ConfigError(f"{name}: no such policy; train one with: ship-gym train")
+    return CONTROLLERS[check_known("controller", name, [*CONTROLLERS, *pretrained()])]()
+
+
+def trained_for(controller: Controller) -> dict[str, Any]:
+    """Scenario, ship, control and privileges of a policy's training; empty for other controllers.
+
+    Keyword arguments of ``rollout``; each may be replaced by another.
+    """
+    scenario = getattr(controller, "card", {}).get("config", {}).get("scenario", {})
+    found = {key: scenario[key] for key in ("ship", "control", "privileged") if key in scenario}
+    return found | ({"scenario": scenario} if scenario else {})

@@ -1,0 +1,77 @@
+"""A user's own things from a file: ``"mylqr.py:LQR"`` is the object LQR of the file mylqr.py.
+
+The file is run once in a process, as Python would import it; modules beside it can be imported.
+"""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+from typing import Any
+
+from ship_gym.config import ConfigError, check_known
+from ship_gym.evaluation.controller import Controller
+from ship_gym.own_files import load_file, split, told
+
+_MEMBERS = ("name", "reset", "act")
+
+
+def is_own(text: str) -> bool:
+    """Whether a name means a file of Python: ``file.py`` or ``file.py:Name``."""
+    return split(text) is not None
+
+
+def load_object(text: str) -> Any:
+    """The object that ``"file.py:Name"`` names.
+
+    Raises
+    ------
+    ConfigError
+        No such file, no such name in it (with the nearest one), or an exception while the file
+        runs, with its line.
+    """
+    path, name = split(text) or (Path(text), "")
+    module = load_file(path)
+    public = [key for key in vars(module) if not key.startswith("_")]
+    if not name:
+        found = controllers_in(path) or [f"{path}:NAME"]
+        raise ConfigError(f"{path}: which object of the file? Name it, like {', '.join(found)}")
+    if name not in vars(module):
+        check_known(f"name in {path}", name, public)
+    return vars(module)[name]
+
+
+def own_controller(text: str) -> Controller:
+    """The controller that ``"file.py:Name"`` names: a class, a factory, or the object itself.
+
+    Raises
+    ------
+    ConfigError
+        As `load_object`, or what it names cannot be made without arguments or is no controller.
+    """
+    made = load_object(text)
+    if inspect.isclass(made) or (callable(made) and not isinstance(made, Controller)):
+        try:
+            made = made()
+        except Exception as error:
+            raise ConfigError(
+                f"{text}: cannot be made: {told(split(text)[0].resolve(), error)}"
+            ) from error
+    missing = [key for key in _MEMBERS if not hasattr(made, key)]
+    if missing:
+        raise ConfigError(f"{text}: is no controller: it has no {' and no '.join(missing)}")
+    return made
+
+
+def controllers_in(path: str | Path) -> list[str]:
+    """What of a file can be named as a controller, as ``file.py:Name``."""
+    module = load_file(Path(path))
+    own = [key for key, value in vars(module).items() if _steers(value, module.__name__)]
+    return [f"{path}:{key}" for key in own]
+
+
+def _steers(thing: Any, module: str) -> bool:
+    """Whether a class of this module or an object has what a controller needs."""
+    if inspect.isclass(thing) and thing.__module__ != module:
+        return False
+    return all(callable(getattr(thing, key, None)) for key in ("reset", "act"))
