@@ -129,12 +129,11 @@ def record(m: Mutant, state: str, seconds: float, by: str, tests: str) -> dict:
     return place | {"state": state, "s": round(seconds, 1), "by": by, "tests": tests}
 
 
-def tests_hash() -> str:
+def hash_of(names) -> str:
+    """Hash of files and of the Python files in folders, 16 hex digits."""
     digest = hashlib.sha256()
-    for name in TESTS:
-        for file in sorted(
-            (ROOT / name).rglob("*.py") if (ROOT / name).is_dir() else [ROOT / name]
-        ):
+    for place in (ROOT / name for name in names):
+        for file in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
             if file.is_file():
                 digest.update(file.read_bytes())
     return digest.hexdigest()[:16]
