@@ -7,11 +7,10 @@ from typing import Protocol
 
 import numpy as np
 
-from ship_gym.physics.angles import wrapped
+from ship_gym.physics.angles import north_east, wrapped
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks import heading, track
-from ship_gym.tasks.bridge import north_east
 from ship_gym.tracks.files import load_track
 from ship_gym.tracks.generator import n_draws, random_points
 from ship_gym.tracks.shapes import SHAPES

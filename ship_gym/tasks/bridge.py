@@ -195,13 +195,3 @@ def account_batch(states, n_before, flow, ships, dt, verdict, must_arrive, ledge
         saturated = abs(states[i, DELTA]) >= SATURATED * ships[i].gear.delta_max
         cost[i] = 1.0 if saturated or limit else 0.0
         success[i] = outcomes[i] == ARRIVED if must_arrive else truncated[i] and not limit
-
-
-@kernel
-def north_east(size, direction, north, east):
-    """North and east components of vectors, shapes (m,), written. Not numpy's cosine: its last
-    bit depends on the size of the batch.
-    """
-    for i in range(len(size)):
-        north[i] = size[i] * math.cos(direction[i])
-        east[i] = size[i] * math.sin(direction[i])
