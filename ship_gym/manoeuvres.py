@@ -11,6 +11,7 @@ import numpy as np
 from ship_gym.config import ConfigError, check_angle, check_number
 from ship_gym.conventions import PSI
 from ship_gym.provenance import provenance
+from ship_gym.recording.about import ship_meta
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.loader import Named, load_ship
@@ -300,25 +301,6 @@ class _Run:
             **provenance(),
         }
         return Trajectory(columns, meta)
-
-
-def ship_meta(ship: Ship) -> dict[str, Any]:
-    """What a recording keeps of a ship: names and the dimensions [m, m2] needed to draw it."""
-    return {
-        "name": ship.name,
-        "title": ship.title,
-        "surrogate": ship.surrogate_name,
-        "variant": ship.variant,
-        "scale": ship.scale,
-        "speed": ship.speed,
-        "L": ship.hull.L,
-        "B": ship.hull.B,
-        "d": ship.hull.d,
-        "A_R": ship.rudder.A_R,
-        "D_P": ship.propeller.D,
-        "delta_max": ship.gear.delta_max,
-        "n_max": ship.engine.n_max,
-    }
 
 
 def run_trial(ship: Named | Ship, trial: Trial) -> TurningCircle | ZigZag:

@@ -23,12 +23,12 @@ from ship_gym.conventions import (
     U,
 )
 from ship_gym.physics._kernel import threads_work
-from ship_gym.physics.disturbance import set_phases
+from ship_gym.physics.disturbance import set_harmonics
 from ship_gym.physics.dynamics import forces as ship_forces
 from ship_gym.physics.dynamics import over_ground, total
 from ship_gym.physics.step import see_waves, step_batch, step_batch_parallel
 from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_waves
-from ship_gym.sea.records import Waters, waters
+from ship_gym.sea.records import Waters, set_phases, waters
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.loader import Named, load_ship, load_ships
 from ship_gym.ships.particulars import Ship
@@ -163,6 +163,7 @@ class ShipSim:
         """
         water = self.water
         seas = self.seas[which]
+        set_harmonics(seas, uniform)
         set_phases(seas, uniform)
         self.seas[which] = seas
         if water.n_waves:

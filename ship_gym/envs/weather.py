@@ -7,12 +7,12 @@ import math
 
 import numpy as np
 
+from ship_gym.physics.angles import north_east
 from ship_gym.scenarios.sea_range import SeaRange
 from ship_gym.sea.gusts import turbulence_intensity
 from ship_gym.sea.records import Waters, waters
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import numbered
-from ship_gym.tasks.bridge import north_east
 
 N_CURRENT = 2  # uniform numbers for the current
 N_WEATHER = 4  # and, where there are waves or wind, for state, height, wind speed and direction

@@ -15,8 +15,8 @@ from ship_gym.conventions import polar
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.evaluation.controller import Controller
-from ship_gym.manoeuvres import ship_meta
 from ship_gym.provenance import provenance
+from ship_gym.recording.about import ship_meta
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship

@@ -1,4 +1,4 @@
-"""Angles in kernels: the range of one turn, and a fast cosine and sine."""
+"""Angles in kernels: the range of one turn, vectors from them, and a fast cosine and sine."""
 
 from __future__ import annotations
 
@@ -13,6 +13,16 @@ _TURN = 2.0 * math.pi
 def wrapped(angle):
     """Angle in [-pi, pi) [rad]."""
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+
+
+@kernel
+def north_east(size, direction, north, east):
+    """North and east components of vectors, shapes (m,), written: the inverse of
+    ``conventions.polar``. Not numpy's cosine: its last bit depends on the size of the batch.
+    """
+    for i in range(len(size)):
+        north[i] = size[i] * math.cos(direction[i])
+        east[i] = size[i] * math.sin(direction[i])
 
 
 @kernel

@@ -29,15 +29,15 @@ def disturbance_forces(time, sea):
 
 
 @kernel
-def set_phases(seas, uniform):
+def set_harmonics(seas, uniform):
     """Set the harmonics of every row from uniform numbers in [0, 1).
 
     Parameters
     ----------
     seas : structured ndarray (n,)
-    uniform : ndarray (n, 2 N) or (n, 2 N + 1 + gusts + waves)
-        Phases of the sway force, of the yaw moment, then of the current and the gusts, as fractions
-        of a turn; those of the waves follow (``waves.set_waves``).
+    uniform : ndarray (n, 2 N or more)
+        Phases of the sway force, then of the yaw moment, as fractions of a turn; what follows is
+        for ``sea.records.set_phases`` and ``waves.set_waves``.
     """
     for i in range(len(seas)):
         sea = seas[i]
@@ -49,7 +49,3 @@ def set_phases(seas, uniform):
             sea.Y_sin[k] = -sea.Y_std * sea.amplitude[k] * math.sin(phase_Y)
             sea.N_cos[k] = sea.N_std * sea.amplitude[k] * math.cos(phase_N)
             sea.N_sin[k] = -sea.N_std * sea.amplitude[k] * math.sin(phase_N)
-        if uniform.shape[1] > 2 * count:
-            sea.variation_phase = uniform[i, 2 * count]
-            for k in range(len(sea.gust_phase)):
-                sea.gust_phase[k] = uniform[i, 2 * count + 1 + k]

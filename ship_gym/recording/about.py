@@ -1,13 +1,33 @@
-"""The page of a recording that says what was run, with what, and how to run it again."""
+"""What a recording says of its ship, and its page of what was run, and how to run it again."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ship_gym.recording.trajectory import Trajectory
+    from ship_gym.ships.particulars import Ship
+
+
+def ship_meta(ship: Ship) -> dict[str, Any]:
+    """What a recording keeps of a ship: names and the dimensions [m, m2] needed to draw it."""
+    return {
+        "name": ship.name,
+        "title": ship.title,
+        "surrogate": ship.surrogate_name,
+        "variant": ship.variant,
+        "scale": ship.scale,
+        "speed": ship.speed,
+        "L": ship.hull.L,
+        "B": ship.hull.B,
+        "d": ship.hull.d,
+        "A_R": ship.rudder.A_R,
+        "D_P": ship.propeller.D,
+        "delta_max": ship.gear.delta_max,
+        "n_max": ship.engine.n_max,
+    }
 
 
 def run_name(meta: Mapping) -> str:

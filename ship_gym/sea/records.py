@@ -196,6 +196,23 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
     return Waters(records, waves, components, groups, response, table)
 
 
+def set_phases(records: np.ndarray, uniform: np.ndarray) -> None:
+    """Set the phases of the slow current and of the gusts, if there are any, in place.
+
+    Parameters
+    ----------
+    records : numpy.ndarray
+        SEA_DTYPE, shape (n,).
+    uniform : numpy.ndarray
+        Numbers in [0, 1), shape (n, `Waters.n_phases`): phases of the disturbance
+        (``physics.disturbance.set_harmonics``), of the current, of the gusts and of the waves
+        (``physics.waves.set_waves``), as fractions of a turn.
+    """
+    if uniform.shape[1] > N_DISTURBANCE:
+        records["variation_phase"] = uniform[:, N_DISTURBANCE]
+        records["gust_phase"] = uniform[:, N_DISTURBANCE + 1 :][:, :N_GUSTS]
+
+
 def _stacked(responses: list[np.ndarray]) -> np.ndarray:
     """Responses with their last speed repeated up to the longest, as lookup beyond it does."""
     speeds = max(len(response) for response in responses)

@@ -11,6 +11,7 @@ from ship_gym.ships.loader import Named, bare
 from ship_gym.ships.open_water import coefficients
 from ship_gym.ships.particulars import Ship
 from ship_gym.surrogates.fit import Options
+from ship_gym.surrogates.force_checks import stray_radians, unusual_sizes
 from ship_gym.surrogates.regression import FEATURES
 from ship_gym.surrogates.row_checks import lines, side_signs
 from ship_gym.surrogates.samples import DataSet, Samples
@@ -57,12 +58,14 @@ def check_samples(
     if grid is None:
         grid, turbulence = data.choices[0] if data.choices else ("", "")
     found: list[str] = []
-    for side in data.sides:
-        samples = data.read(grid, turbulence, side)
+    rudders = [data.read(grid, turbulence, side) for side in data.sides]
+    for samples in rudders:
         training = samples.pick(data.training)
         found += _spread(training, options)
         found += _unusual(samples, ship, data)
+        found += stray_radians(samples, data)
         found += _twice(samples)
+    found += unusual_sizes(data, ship, rudders)
     found += _sides(data, grid, turbulence)
     return list(dict.fromkeys(found))
 

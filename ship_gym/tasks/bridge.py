@@ -248,13 +248,3 @@ def account_batch(states, before, flow, ships, dt, verdict, failed, reached, led
             ledger.success[i] = reached[verdict.outcomes[i]]
         else:
             ledger.success[i] = verdict.truncated[i] and not lost
-
-
-@kernel
-def north_east(size, direction, north, east):
-    """North and east components of vectors, shapes (m,), written. Not numpy's cosine: its last
-    bit depends on the size of the batch.
-    """
-    for i in range(len(size)):
-        north[i] = size[i] * math.cos(direction[i])
-        east[i] = size[i] * math.sin(direction[i])

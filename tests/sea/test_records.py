@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ship_gym.physics.disturbance import disturbance_forces, set_phases
+from ship_gym.physics.disturbance import disturbance_forces, set_harmonics
 from ship_gym.sea import Sea
 from ship_gym.sea.records import (
     N_DISTURBANCE,
@@ -29,7 +29,7 @@ def test_harmonics_have_unit_variance_and_the_spectrum_s_shape():
 def records(count, seed=0):
     ship = load_ship("kcs")
     made = waters([ship] * count, Sea(sway_disturbance=0.01, yaw_disturbance=0.002)).records
-    set_phases(made, np.random.default_rng(seed).random((count, N_DISTURBANCE)))
+    set_harmonics(made, np.random.default_rng(seed).random((count, N_DISTURBANCE)))
     return ship, made
 
 

@@ -244,6 +244,20 @@ def test_radians_under_a_column_of_degrees_and_clusters(write, ship):
     assert len(found) == 1 and "clustered or nearly collinear" in found[0]
 
 
+@pytest.mark.parametrize("factor", [3.0, 1.0 / 3.0])
+def test_rudder_forces_in_another_normalisation(write, ship, factor):
+    """Times 3 the tactical diameter would be 1.51 L instead of 3.09."""
+    cells = [row.split(",") for row in ROWS]
+    rows = [",".join([*c[:5], *(f"{factor * float(x):.4f}" for x in c[5:])]) for c in cells]
+    (warning,) = checked(write(rows), ship)
+    assert "my.csv: C_Fx, C_Fy: normal force" in warning and "usual is 0.35 to 1.1" in warning
+
+
+def test_one_angle_in_radians_among_degrees(write, ship):
+    (warning,) = checked(write(with_row(9, "9,0.769,0.6381,0.194,0.376,-0.213,0.219")), ship)
+    assert "my.csv: line 14: drift looks like radians" in warning and "36.6 deg" in warning
+
+
 def test_the_samples_of_the_thesis_are_spread_well(ship):
     assert all("average out" in warning for warning in check_samples(KCS, ship))
 

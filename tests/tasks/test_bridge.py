@@ -6,7 +6,7 @@ import pytest
 from ship_gym.conventions import N
 from ship_gym.envs.env import ShipEnv
 from ship_gym.tasks import TASKS, observations_of
-from ship_gym.tasks.bridge import N_BRIDGE, north_east, record_dtype
+from ship_gym.tasks.bridge import N_BRIDGE, record_dtype
 from ship_gym.tasks.rewards import COSTS, Costs, costs
 
 
@@ -30,13 +30,6 @@ def test_cost_terms_by_hand(task):
 def test_failing_costs_once_and_speed_gain_is_not_paid(task):
     terms = costs(0.0, 0.0, 9.0, task, True)
     assert terms.speed_loss == 0.0 and terms.termination == -50.0
-
-
-def test_north_east():
-    north, east = np.zeros(2), np.zeros(2)
-    north_east(np.array([2.0, 1.0]), np.array([0.5 * math.pi, math.pi]), north, east)
-    np.testing.assert_allclose(north, [0.0, -1.0], atol=1e-15)
-    np.testing.assert_allclose(east, [2.0, 0.0], atol=1e-15)
 
 
 def test_sizes_of_every_task():

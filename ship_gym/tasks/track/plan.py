@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ship_gym.tasks.bridge import north_east
+from ship_gym.physics.angles import north_east
 from ship_gym.tasks.track.kernels import place_batch
 from ship_gym.tracks.files import load_track
 from ship_gym.tracks.generator import n_draws, random_points
