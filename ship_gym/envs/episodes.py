@@ -142,17 +142,12 @@ class EpisodeBatch:
         self.observations = np.zeros((n, columns), dtype=np.float32)
         self.plans = np.zeros((n, *self._plan.shape))
         self.terms = np.zeros((n, len(self.reward_terms)))
-        self.rewards = np.zeros(n)
-        self.terminated = np.zeros(n, dtype=np.bool_)
-        self.truncated = np.zeros(n, dtype=np.bool_)
-        self.elapsed = np.zeros(n, dtype=np.int64)
-        self.outcomes = np.zeros(n, dtype=np.int64)
-        self.errors, self.power = np.zeros(n), np.zeros(n)
-        self.energy, self.cost = np.zeros(n), np.zeros(n)
-        self.success = np.zeros(n, dtype=np.bool_)
-        flags = (self.terminated, self.truncated, self.elapsed, self.outcomes)
-        self._verdict = bridge.Verdict(self.rewards, *flags, self.errors, scenario.steps)
-        self._ledger = bridge.Ledger(self.power, self.energy, self.cost, self.success)
+        self._results = results = np.zeros(n, bridge.RESULT_DTYPE)
+        self.rewards, self.errors = results["reward"], results["error"]
+        self.terminated, self.truncated = results["terminated"], results["truncated"]
+        self.elapsed, self.outcomes = results["elapsed"], results["outcome"]
+        self.power, self.energy = results["power"], results["energy"]
+        self.cost, self.success = results["cost"], results["success"]
         outcomes = self.task.all_outcomes
         self._failures = np.array([outcome.failed for outcome in outcomes])
         self._aims = np.array([outcome.reached for outcome in outcomes])
@@ -164,7 +159,8 @@ class EpisodeBatch:
         tasks["speed"] = [one.speed for one in self.ships]
         tasks["L"] = [one.hull.L for one in self.ships]
         tasks["n_order"] = orders[numbered(self.ships)[1]]
-        tasks["interval"] = scenario.control_interval
+        tasks["interval"], tasks["steps"] = scenario.control_interval, scenario.steps
+        tasks["dt"] = self.dt
         tasks["rudder_stroke"] = [one.gear.rate for one in self.ships] * self.dt
         for name in self.reward_terms:
             tasks[name] = getattr(scenario.reward, name)
@@ -228,8 +224,7 @@ class EpisodeBatch:
         sim.time[which] = 0.0
         sim.forces[which], sim.flow[which] = 0.0, 0.0
         sim.commands[which, 0], sim.commands[which, 1] = 0.0, state[:, N]
-        for values in (self.terms, *self._verdict[:-1], *self._ledger):
-            values[which] = 0
+        self.terms[which], self._results[which] = 0.0, np.zeros((), bridge.RESULT_DTYPE)
         if self.task.error is not None:
             self.task.error(which, sim.state, tasks, self.errors)
         self._begun = True
@@ -285,35 +280,32 @@ class EpisodeBatch:
         if good < self.n:
             row = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
             raise ConfigError(f"action {row} = {actions[row].tolist()}: must be finite, in [-1, 1]")
-        lost = self._sail()
+        sim.sail()
         self.task.judge(
-            sim.state, before, sim.seas, self.tasks, self.plans, self.terms, self._verdict
+            sim.state, before, sim.seas, self.tasks, self.plans, self.terms, self._results
         )
-        if lost:
-            bridge.end_diverged(self._diverged, self.tasks, self.terms, self._verdict)
-        bridge.account_batch(
-            sim.state, before, sim.flow, sim.records, self.dt, self._verdict,
-            self._failures, self._aims, self._ledger,
+        lost = bridge.account_batch(
+            sim.state, before, sim.flow, sim.records, sim.seas, self.tasks,
+            self._failures, self._aims, self._results, self._diverged,
         )  # fmt: skip
+        if lost:
+            self._end_diverged(np.flatnonzero(self._diverged))
         self._fail()
         self.observe()
 
-    def _sail(self) -> int:
-        """Sail the interval; returns how many ships diverged.
+    def _end_diverged(self, which: np.ndarray) -> None:
+        """End episodes whose ship is none any more; it gets back its last state, the rest sails on.
 
-        Where a state is not finite, or none of a ship (``bridge.FASTEST``), the ship gets back the
-        last one that was, its episode ends, and the others sail on.
+        That is where a state is not finite, or faster than any ship (``bridge.is_ship``).
         """
         sim = self.sim
-        sim.sail()
-        lost = bridge.impossible_batch(sim.state, sim.seas, self.tasks, self._diverged)
-        if lost:
-            which = np.flatnonzero(self._diverged)
-            sim.state[which] = self._before[which]
-            for loads in (sim.forces, sim.flow):
-                loads[which] = np.where(np.isfinite(loads[which]), loads[which], 0.0)
-            sim.see_waves(which)
-        return lost
+        sim.state[which] = self._before[which]
+        for loads in (sim.forces, sim.flow):
+            loads[which] = np.where(np.isfinite(loads[which]), loads[which], 0.0)
+        sim.see_waves(which)
+        bridge.end_diverged(which, self.tasks, self.terms, self._results)
+        if self.task.error is not None:
+            self.task.error(which, sim.state, self.tasks, self.errors)
 
     def _fail(self) -> None:
         """Let the failure of the scenario begin where it is time."""
@@ -409,11 +401,6 @@ class EpisodeBatch:
             columns["waves_extrapolation"] = sim.waves[:, WAVE_EXTRAPOLATION]
             columns["waves_outside"] = sim.seas["waves_outside"]
         return groups, columns
-
-    def set_duration(self, scenario: Scenario) -> None:
-        """Go on with a scenario that differs in its duration only."""
-        self.scenario = scenario
-        self._verdict = self._verdict._replace(steps=scenario.steps)
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the views: a copy would lose their tie to the arrays they look at."""

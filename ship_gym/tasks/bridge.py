@@ -7,8 +7,8 @@ cores are shared.
 
 from __future__ import annotations
 
+import functools
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -50,6 +50,8 @@ _COMMON_FIELDS = (
     ("n_order", np.float64),  # propeller speed without rpm control [rev/s]
     ("n_limit", np.float64),  # what the engine can still turn [rev/s]
     ("interval", np.float64),  # control interval [full-scale s]
+    ("dt", np.float64),  # the same of the ship [s]
+    ("steps", np.int64),  # intervals of an episode
     ("rudder_stroke", np.float64),  # largest rudder change in one interval [rad]
     ("noisy", np.int64),
     ("noise_key", np.int64),
@@ -66,33 +68,37 @@ _COMMON_FIELDS = (
 
 def record_dtype(task) -> np.dtype:
     """Type of the record of one episode: common fields, weights of the reward, the task's own."""
-    weights = [(term.name, np.float64) for term in (*task.terms, *COSTS)]
-    return np.dtype((np.record, [*_COMMON_FIELDS, *weights, *task.fields]))
+    weights = ((term.name, np.float64) for term in (*task.terms, *COSTS))
+    return _record_dtype((*_COMMON_FIELDS, *weights, *task.fields))
 
 
-class Verdict(NamedTuple):
-    """What an interval comes to, arrays (n,) that are written: rewards, flags, intervals sailed,
-    outcomes, errors; and the number of intervals of an episode.
-    """
-
-    rewards: np.ndarray
-    terminated: np.ndarray
-    truncated: np.ndarray
-    elapsed: np.ndarray
-    outcomes: np.ndarray
-    errors: np.ndarray
-    steps: int
+@functools.cache
+def _record_dtype(fields: tuple) -> np.dtype:
+    """One object for each layout: numba takes 6 us more a step to see that two of them are equal."""
+    return np.dtype((np.record, list(fields)))
 
 
-class Ledger(NamedTuple):
-    """What an interval has cost, arrays (n,) that are written: power [W], energy since the reset
-    [J], the safety cost and success.
-    """
-
-    power: np.ndarray
-    energy: np.ndarray
-    cost: np.ndarray
-    success: np.ndarray
+# What an interval comes to and has cost, one record an episode.
+RESULT_DTYPE = np.dtype(
+    (
+        np.record,
+        np.dtype(
+            [
+                ("reward", np.float64),
+                ("error", np.float64),  # in the unit of the task
+                ("power", np.float64),  # delivered at the start of the interval [W]
+                ("energy", np.float64),  # since the reset [J]
+                ("cost", np.float64),  # safety cost: 1 for a saturated rudder or a failure
+                ("elapsed", np.int64),  # intervals since the reset
+                ("outcome", np.int64),
+                ("terminated", np.bool_),
+                ("truncated", np.bool_),
+                ("success", np.bool_),
+            ],
+            align=True,
+        ),
+    )
+)
 
 
 @kernel
@@ -159,92 +165,97 @@ def observe_batch(states, waves, commands, ships, seas, tasks, elapsed, observat
 
 
 @kernel
-def settle(i, error, own, paid, outcome, verdict, terms):
-    """Write error, terms, reward and flags of the interval just sailed by ship i.
+def settle(result, terms, error, own, paid, outcome, task):
+    """Write what the interval just sailed comes to for one ship.
 
     Parameters
     ----------
+    result : record
+        `RESULT_DTYPE`; reward, error, flags and intervals are written.
+    terms : ndarray (len(own) + len(paid),)
+        Written.
     error : float
-        For the verdict, in the task's own unit.
+        In the task's own unit.
     own : tuple of float
         The task's terms.
     paid : Costs
         The cost terms.
     outcome : int
         0 while the episode goes on.
-    terms : ndarray (n, len(own) + len(paid))
-        Written.
+    task : record
+        Of the episode.
     """
     total = 0.0
     for k in range(len(own)):
-        terms[i, k] = own[k]
+        terms[k] = own[k]
         total += own[k]
     for k in range(len(paid)):
-        terms[i, len(own) + k] = paid[k]
+        terms[len(own) + k] = paid[k]
         total += paid[k]
-    verdict.rewards[i] = total
-    verdict.errors[i] = error
-    verdict.terminated[i] = outcome != 0
-    verdict.outcomes[i] = outcome
-    verdict.elapsed[i] += 1
-    verdict.truncated[i] = verdict.elapsed[i] >= verdict.steps
+    result.reward = total
+    result.error = error
+    result.terminated = outcome != 0
+    result.outcome = outcome
+    result.elapsed += 1
+    result.truncated = result.elapsed >= task.steps
 
 
 @kernel
-def impossible_batch(states, seas, tasks, diverged):
-    """Mark ships whose state is not finite, or none of a ship; returns how many there are."""
-    count = 0
-    for i in range(states.shape[0]):
-        s, task = states[i], tasks[i]
-        u_c, v_c = water_velocity(s[PSI], seas[i])
-        u, v, fastest = s[U] - u_c, s[V] - v_c, FASTEST * task.speed
-        total = 0.0
-        for k in range(states.shape[1]):
-            total += s[k]
-        good = u * u + v * v <= fastest * fastest
-        good = good and abs(s[R]) * task.L <= FASTEST_TURN * task.speed and math.isfinite(total)
-        diverged[i] = not good
-        count += 0 if good else 1
-    return count
+def is_ship(state, sea, task):
+    """Whether a state is finite and one of a ship, see `FASTEST`."""
+    u_c, v_c = water_velocity(state[PSI], sea)
+    u, v, fastest = state[U] - u_c, state[V] - v_c, FASTEST * task.speed
+    total = 0.0
+    for k in range(len(state)):
+        total += state[k]
+    slow = u * u + v * v <= fastest * fastest  # not so if one of them is nan
+    return slow and abs(state[R]) * task.L <= FASTEST_TURN * task.speed and math.isfinite(total)
 
 
 @kernel
-def end_diverged(diverged, tasks, terms, verdict):
-    """End the episodes of the ships marked; their reward is that of failing, without NaN."""
-    last = terms.shape[1] - 1
-    for i in range(len(diverged)):
-        if diverged[i]:
-            terms[i, last] = -tasks[i].termination
-            total = 0.0
-            for k in range(last + 1):
-                total += terms[i, k]
-            verdict.rewards[i] = total
-            verdict.terminated[i] = True
-            verdict.outcomes[i] = DIVERGED
-
-
-@kernel
-def account_batch(states, before, flow, ships, dt, verdict, failed, reached, ledger):
-    """Write what an interval has cost into the ledger.
+def account_batch(states, before, flow, ships, seas, tasks, failed, reached, results, diverged):
+    """Write what an interval has cost into the results, and mark ships that are none any more.
 
     Power is that at the start of the interval, of which torque and propeller speed `before` are.
     Success is to reach the aim of a task that has one, else the end of the episode.
 
     Parameters
     ----------
-    dt : ndarray (n,)
-        Control interval [s].
     failed, reached : ndarray (outcomes,)
         Which outcomes are failures, and which the aim; none of the latter: a task without.
+    diverged : ndarray (n,)
+        Written, see `is_ship`.
+
+    Returns
+    -------
+    int
+        How many have diverged.
     """
-    has_aim = reached.any()
+    has_aim, lost = reached.any(), 0
     for i in range(states.shape[0]):
-        ledger.power[i] = shaft_power(before[i, N], flow[i, FLOW_TORQUE])
-        ledger.energy[i] += ledger.power[i] * dt[i]
-        lost = failed[verdict.outcomes[i]]
+        result, task = results[i], tasks[i]
+        diverged[i] = not is_ship(states[i], seas[i], task)
+        lost += 1 if diverged[i] else 0
+        result.power = 0.0 if diverged[i] else shaft_power(before[i, N], flow[i, FLOW_TORQUE])
+        result.energy += result.power * task.dt
+        failure = failed[result.outcome]
         saturated = abs(states[i, DELTA]) >= SATURATED * ships[i].gear.delta_max
-        ledger.cost[i] = 1.0 if saturated or lost else 0.0
+        result.cost = 1.0 if saturated or failure else 0.0
         if has_aim:
-            ledger.success[i] = reached[verdict.outcomes[i]]
+            result.success = reached[result.outcome]
         else:
-            ledger.success[i] = verdict.truncated[i] and not lost
+            result.success = result.truncated and not failure
+    return lost
+
+
+@kernel
+def end_diverged(which, tasks, terms, results):
+    """End the episodes of some ships as diverged: nothing is paid for the interval but failing."""
+    last = terms.shape[1] - 1
+    for i in which:
+        result = results[i]
+        terms[i, :last] = 0.0
+        terms[i, last] = -tasks[i].termination
+        result.reward = terms[i, last]
+        result.terminated, result.success = True, False
+        result.outcome, result.cost = DIVERGED, 1.0

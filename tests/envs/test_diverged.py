@@ -52,7 +52,7 @@ def test_some_diverge_and_keep_the_last_state_of_a_ship(sailed):
     assert 5 < np.count_nonzero(when) < 128
     for i, (before, after) in last.items():
         assert (before == after).all()
-        assert rewards[i] < -200.0
+        assert rewards[i] == -200.0
 
 
 def test_scalar_is_vector(sailed):
@@ -91,7 +91,7 @@ def test_a_state_that_is_none_ends_the_episode_and_only_it(task, value):
     observations, rewards, terminated, _, info = envs.step(np.zeros((3, 1)))
     assert terminated.tolist() == [False, True, False]
     assert info["outcome"].tolist() == [0, DIVERGED, 0]
-    assert np.isfinite(rewards[[0, 2]]).all() and np.isfinite(observations[[0, 2]]).all()
+    assert np.isfinite(rewards).all() and np.isfinite(observations[[0, 2]]).all()
 
 
 def test_a_ship_at_the_limit_of_speed_is_still_one():
@@ -101,7 +101,7 @@ def test_a_ship_at_the_limit_of_speed_is_still_one():
     assert info["outcome"] == 0
     env.reset(seed=0, options={"speed": 1.2 * FASTEST * env.ship.speed})
     _, reward, terminated, _, info = env.step(np.zeros(1))
-    assert terminated and info["outcome"] == DIVERGED and reward < -200.0
+    assert terminated and info["outcome"] == DIVERGED and reward == -200.0
 
 
 def test_a_recording_of_one_has_finite_columns_and_metrics():

@@ -79,7 +79,7 @@ def observe(states, waves, commands, ships, seas, tasks, elapsed, observations):
 
 
 @kernel
-def judge(states, before, seas, tasks, plans, terms, verdict):
+def judge(states, before, seas, tasks, plans, terms, results):
     """The error squared; too large an error ends the episode."""
     for i in range(states.shape[0]):
         task, delta = tasks[i], states[i, DELTA]
@@ -88,7 +88,7 @@ def judge(states, before, seas, tasks, plans, terms, verdict):
         outcome = TOO_FAST if abs(error) > task.limit else RUNNING
         own = (-task.interval * task.rate_error * error * error,)
         paid = costs(delta, delta - before[i, DELTA], states[i, U] - u_c, task, outcome != RUNNING)
-        settle(i, error, own, paid, outcome, verdict, terms)
+        settle(results[i], terms[i], error, own, paid, outcome, task)
 
 
 def measure(trajectory):

@@ -32,8 +32,8 @@ def give_order(task, plan, k):
 
 
 @kernel
-def judge_batch(states, before, seas, tasks, plans, terms, verdict):
-    """Terms (n, 5), error [rad] and verdict (``bridge.settle``) of the interval just sailed.
+def judge_batch(states, before, seas, tasks, plans, terms, results):
+    """Terms (n, 5) and results (n,) of the interval just sailed, the error [rad] among them.
 
     It is judged by the order that held during it; then the next one is given, if it is its time.
     """
@@ -45,8 +45,8 @@ def judge_batch(states, before, seas, tasks, plans, terms, verdict):
         stroke, u = delta - before[i, DELTA], states[i, U] - u_c
         own = (-task.interval * task.heading * psi_e * psi_e,)
         paid = costs(delta, stroke, u, task, outcome != RUNNING)
-        settle(i, psi_e, own, paid, outcome, verdict, terms)
-        if 0.0 < task.next_change <= verdict.elapsed[i]:
+        settle(results[i], terms[i], psi_e, own, paid, outcome, task)
+        if 0.0 < task.next_change <= results[i].elapsed:
             give_order(task, plans[i], task.active + 1)
 
 

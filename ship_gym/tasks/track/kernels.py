@@ -135,11 +135,11 @@ def error_batch(which, states, tasks, errors):
 
 
 @kernel
-def judge_batch(states, before, seas, tasks, plans, terms, verdict):
-    """Terms (n, 5), error [m] and verdict (``bridge.settle``) of the interval just sailed.
+def judge_batch(states, before, seas, tasks, plans, terms, results):
+    """Terms (n, 5) and results (n,) of the interval just sailed, the error [m] among them.
 
     It is judged by the leg that was active during it; then the next leg begins where the ship has
-    reached the circle of acceptance or passed the way-point, and the error in the verdict is that
+    reached the circle of acceptance or passed the way-point, and the error in the results is that
     from this one, as in the observation. Reaching the last way-point ends the episode as arrived.
     """
     for i in range(states.shape[0]):
@@ -156,10 +156,10 @@ def judge_batch(states, before, seas, tasks, plans, terms, verdict):
         stroke, u, error = delta - before[i, DELTA], states[i, U] - u_c, cross / task.L
         own = (-task.interval * task.cross_track * error * error,)
         paid = costs(delta, stroke, u, task, outcome == TRACK_LIMIT)
-        settle(i, cross, own, paid, outcome, verdict, terms)
+        settle(results[i], terms[i], cross, own, paid, outcome, task)
         if reached and not last:
             sail_leg(task, plans[i], task.active + 1)
-            verdict.errors[i] = off_leg(states[i], task)
+            results[i].error = off_leg(states[i], task)
 
 
 @kernel
