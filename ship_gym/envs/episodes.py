@@ -142,16 +142,21 @@ class EpisodeBatch:
         self.observations = np.zeros((n, columns), dtype=np.float32)
         self.plans = np.zeros((n, *self._plan.shape))
         self.terms = np.zeros((n, len(self.reward_terms)))
-        self._results = results = np.zeros(n, bridge.RESULT_DTYPE)
+        self._results = np.zeros(n, bridge.RESULT_DTYPE)
+        self._name_results()
+        outcomes = self.task.all_outcomes
+        self._failures = np.array([outcome.failed for outcome in outcomes])
+        self._aims = np.array([outcome.reached for outcome in outcomes])
+        self._diverged = np.zeros(n, dtype=np.bool_)
+
+    def _name_results(self) -> None:
+        """Columns of the results, as views."""
+        results = self._results
         self.rewards, self.errors = results["reward"], results["error"]
         self.terminated, self.truncated = results["terminated"], results["truncated"]
         self.elapsed, self.outcomes = results["elapsed"], results["outcome"]
         self.power, self.energy = results["power"], results["energy"]
         self.cost, self.success = results["cost"], results["success"]
-        outcomes = self.task.all_outcomes
-        self._failures = np.array([outcome.failed for outcome in outcomes])
-        self._aims = np.array([outcome.reached for outcome in outcomes])
-        self._diverged = np.zeros(n, dtype=np.bool_)
 
     def _fill_tasks(self) -> None:
         scenario, tasks, unit = self.scenario, self.tasks, self._unit
@@ -403,8 +408,15 @@ class EpisodeBatch:
         return groups, columns
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without the views: a copy would lose their tie to the arrays they look at."""
+        """Without the views of the info: a copy would lose their tie to what they look at."""
         return {key: value for key, value in self.__dict__.items() if key != "_views"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """With views of its own results; of the type that numba knows by its identity."""
+        self.__dict__.update(state)
+        self.tasks = self.tasks.astype(bridge.record_dtype(self.task), copy=False)
+        self._results = self._results.astype(bridge.RESULT_DTYPE, copy=False)
+        self._name_results()
 
     def _failed(self) -> dict[str, np.ndarray]:
         """Whether the failure of the scenario has begun; empty without one."""

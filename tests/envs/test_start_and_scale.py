@@ -23,7 +23,7 @@ SEAWAY = CALM | {"sea.wave_height": 4.0, "sea.wave_height_min": 2.0, "sea.peak_p
 def columns(obs, task="heading_keeping", privileged=False):
     """Observation by symbol."""
     rows = observations_of(task, privileged)
-    return dict(zip([row[0] for row in rows], obs.tolist(), strict=True))
+    return dict(zip([row.symbol for row in rows], obs.tolist(), strict=True))
 
 
 @pytest.mark.parametrize("ship", ["kcs", "kvlcc2_model", "onrt"])

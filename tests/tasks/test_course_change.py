@@ -18,7 +18,7 @@ STILL = {
     "start.cross_track": 0.0,
 }
 LEG = 3000.0
-SYMBOLS = [row[0] for row in observations_of("track_following")]
+SYMBOLS = [row.symbol for row in observations_of("track_following")]
 NEXT_TURN = SYMBOLS.index("d_chi / pi")
 
 

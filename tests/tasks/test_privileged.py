@@ -40,7 +40,7 @@ def sailed(psi, current_to, wind_to, waves_to, **changes):
     episodes.sim.state[0, PSI] = psi
     episodes.observe()
     seen = episodes.observations[0].tolist()
-    return dict(zip([row[0] for row in ROWS], seen, strict=True)), episodes
+    return dict(zip([row.symbol for row in ROWS], seen, strict=True)), episodes
 
 
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_forces_by_half_rho_L_d_U_squared_and_moments_by_L_more():
     size[0, 0], size[5, 2] = 7.0, -9.0
     episodes.sim.forces[0] = size * [unit, unit, unit * ship.hull.L]
     episodes.observe()
-    seen = dict(zip([row[0] for row in ROWS], episodes.observations[0].tolist(), strict=True))
+    seen = dict(zip([row.symbol for row in ROWS], episodes.observations[0].tolist(), strict=True))
     for k, name in enumerate(FORCE_COMPONENTS):
         for axis, letter in enumerate("XYN"):
             expected = min(max(size[k, axis], -5.0), 5.0)
