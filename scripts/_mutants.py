@@ -26,6 +26,7 @@ AREAS = {
 _LEFT_OUT = ("__init__.py", "_kernel.py", "panels.py", "live.py", "view.py", "registration.py")
 _LIMITS = ("min", "max", "clip", "clipped", "minimum", "maximum")
 _ANY_ORDER = (*_LIMITS, "hypot", "isinstance", "getattr", "hasattr", "print")
+_LOOK = ("radii", "colors", "color", "width", "height", "labels", "visible")  # of a drawing
 _COUNTS = ("range", "prange", "arange")
 _FLIPPED = {ast.Add: ("+", "-"), ast.Sub: ("-", "+")}
 _NEIGHBOUR = {
@@ -119,6 +120,10 @@ class _Finder(ast.NodeVisitor):
         """Nothing in here."""
 
     visit_Raise = visit_Assert = visit_JoinedStr = visit_Import = visit_ImportFrom = _leave
+
+    def visit_keyword(self, node):
+        if node.arg not in _LOOK:
+            self.visit(node.value)
 
     def visit_AnnAssign(self, node):
         if node.value is not None:
