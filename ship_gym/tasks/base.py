@@ -84,6 +84,13 @@ class Moment(NamedTuple):
     intervals: int
 
 
+def check_names(what: str, fields: tuple[str, ...], rows: Sequence[Row | Term]) -> None:
+    """Refuse, at import, a named tuple of a kernel whose fields are not the rows of its table."""
+    names = tuple(row.name for row in rows)
+    if fields != names:
+        raise ImportError(f"{what} are {', '.join(names)}; the kernel gives {', '.join(fields)}")
+
+
 # Outcomes that every task has, with these indices.
 RUNNING, DIVERGED = 0, 1
 COMMON_OUTCOMES = (Outcome("running"), Outcome("diverged", failed=True))

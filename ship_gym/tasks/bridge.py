@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,11 +18,11 @@ from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
 from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.propeller import shaft_power
-from ship_gym.tasks.base import DIVERGED, Row
+from ship_gym.tasks.base import DIVERGED, Row, check_names
 from ship_gym.tasks.rewards import COSTS
 from ship_gym.tasks.sensors import measured
 
-# psi_e as the task has it; one more measurement is a row here and its value in `observe_bridge`
+# psi_e as the task has it
 OBSERVATIONS = (
     Row("sin_error", "sin(psi_e)", "-", -1.0, 1.0, "sine of the heading error"),
     Row("cos_error", "cos(psi_e)", "-", -1.0, 1.0, "cosine of the heading error"),
@@ -33,6 +34,23 @@ OBSERVATIONS = (
     Row("rudder_command", "delta_c / delta_max", "-", -1.0, 1.0, "last rudder command"),
     Row("propeller_command", "n_c / n_max", "-", 0.0, 1.0, "last propeller speed command"),
 )
+
+
+class BridgeView(NamedTuple):
+    """The measurements of one ship, in the order of `OBSERVATIONS`."""
+
+    sin_error: float
+    cos_error: float
+    yaw_rate: float
+    surge: float
+    sway: float
+    rudder: float
+    propeller: float
+    rudder_command: float
+    propeller_command: float
+
+
+check_names("the rows of the bridge", BridgeView._fields, OBSERVATIONS)
 N_BRIDGE = len(OBSERVATIONS)
 _LOW = tuple(row.low for row in OBSERVATIONS)
 _HIGH = tuple(row.high for row in OBSERVATIONS)
@@ -74,7 +92,7 @@ def record_dtype(task) -> np.dtype:
 
 @functools.cache
 def _record_dtype(fields: tuple) -> np.dtype:
-    """One object for each layout; of two equal ones numba takes 6 us a step to see that they are."""
+    """One object for each layout: numba takes 6 us a step to see that two are equal."""
     return np.dtype((np.record, list(fields)))
 
 
@@ -136,16 +154,16 @@ def observe_bridge(state, waves, command, ship, sea, task, interval, row):
     """
     seen = measured(state, waves, sea, task, interval)
     psi_e = wrapped(seen.psi - task.psi_ordered)
-    values = (
-        math.sin(psi_e),
-        math.cos(psi_e),
-        seen.r * ship.hull.L / task.speed,
-        seen.u / task.speed,
-        seen.v / task.speed,
-        state[DELTA] / ship.gear.delta_max,
-        state[N] / ship.engine.n_max,
-        command[0] / ship.gear.delta_max,
-        command[1] / ship.engine.n_max,
+    values = BridgeView(
+        sin_error=math.sin(psi_e),
+        cos_error=math.cos(psi_e),
+        yaw_rate=seen.r * ship.hull.L / task.speed,
+        surge=seen.u / task.speed,
+        sway=seen.v / task.speed,
+        rudder=state[DELTA] / ship.gear.delta_max,
+        propeller=state[N] / ship.engine.n_max,
+        rudder_command=command[0] / ship.gear.delta_max,
+        propeller_command=command[1] / ship.engine.n_max,
     )
     for k in range(N_BRIDGE):
         row[k] = clipped(values[k], _LOW[k], _HIGH[k])

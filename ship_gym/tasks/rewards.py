@@ -1,7 +1,7 @@
 """Terms of the reward that every task has: what steering costs, and what failing does.
 
-One more term for all tasks is a row of `COSTS`, a field of `Costs` and its line in `costs`; its
-weight is then a key of the section ``reward``.
+One more term for all tasks is a row of `COSTS`, a field of `Costs` and its line in `costs`, before
+those of the termination; its weight is then a key of the section ``reward``.
 """
 
 from __future__ import annotations
@@ -11,8 +11,10 @@ import math
 from typing import NamedTuple
 
 from ship_gym.config import check_fields
+from ship_gym.conventions import DELTA, PSI, U
 from ship_gym.physics._kernel import kernel
-from ship_gym.tasks.base import Term
+from ship_gym.physics.dynamics import water_velocity
+from ship_gym.tasks.base import Term, check_names
 
 COSTS = (
     Term("rudder", "delta^2 [rad^2]", "Of delta^2 [1/rad^2].", None),
@@ -41,23 +43,28 @@ class Costs(NamedTuple):
     termination: float
 
 
+check_names("the terms of COSTS", Costs._fields, COSTS)
+
+
 @kernel
-def costs(delta, stroke, u, task, failed):
+def costs(state, before, sea, task, failed):
     """The cost terms of one interval.
 
     Parameters
     ----------
-    delta, stroke : float
-        Rudder angle and its change during the interval [rad].
-    u : float
-        Surge velocity through the water [m/s].
+    state, before : ndarray (8,)
+        At its end and at its start.
+    sea : record
+        Of the ship.
     task : record
         Of the episode, with the weights.
     failed : bool
         The episode ends because a limit was exceeded.
     """
-    loss = max(0.0, 1.0 - u / task.speed)
-    rate = stroke / task.rudder_stroke
+    delta = state[DELTA]
+    u_c, _ = water_velocity(state[PSI], sea)
+    loss = max(0.0, 1.0 - (state[U] - u_c) / task.speed)
+    rate = (delta - before[DELTA]) / task.rudder_stroke
     return Costs(
         rudder=-task.interval * task.rudder * delta * delta,
         rudder_rate=-task.interval * task.rudder_rate * rate * rate,

@@ -8,9 +8,7 @@ import numpy as np
 import ship_gym
 from ship_gym.config import check_fields
 from ship_gym.tasks.api import (
-    DELTA,
     N_BRIDGE,
-    PSI,
     RUNNING,
     Metric,
     Outcome,
@@ -18,14 +16,12 @@ from ship_gym.tasks.api import (
     Row,
     Task,
     Term,
-    U,
     clipped,
     costs,
     kernel,
     measures,
     observe_bridge,
     settle,
-    water_velocity,
 )
 
 TOO_FAST = 2  # first outcome of its own
@@ -82,12 +78,11 @@ def observe(states, waves, commands, ships, seas, tasks, elapsed, observations):
 def judge(states, before, seas, tasks, plans, terms, results):
     """The error squared; too large an error ends the episode."""
     for i in range(states.shape[0]):
-        task, delta = tasks[i], states[i, DELTA]
-        u_c, _ = water_velocity(states[i, PSI], seas[i])
+        task = tasks[i]
         error = states[i, R] - task.order
         outcome = TOO_FAST if abs(error) > task.limit else RUNNING
         own = (-task.interval * task.rate_error * error * error,)
-        paid = costs(delta, delta - before[i, DELTA], states[i, U] - u_c, task, outcome != RUNNING)
+        paid = costs(states[i], before[i], seas[i], task, outcome != RUNNING)
         settle(results[i], terms[i], error, own, paid, outcome, task)
 
 

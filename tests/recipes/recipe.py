@@ -11,7 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 EXTENDING = ROOT / "docs" / "extending.md"
-_BLOCK = re.compile(r"^```(diff|python)\n(.*?)^```$", re.M | re.S)
+_BLOCK = re.compile(r"^```(diff|python|toml)\n(.*?)^```$", re.M | re.S)
 
 
 def copied(folder: Path) -> Path:
@@ -31,7 +31,7 @@ def apply(section: str, folder: Path) -> set[str]:
         first, rest = block.split("\n", 1)
         name = first.removeprefix("--- " if kind == "diff" else "# ")
         file = folder / name
-        if kind == "python":
+        if kind != "diff":
             assert not file.exists(), f"{name} is there already"
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(rest, encoding="utf-8")

@@ -1,9 +1,10 @@
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from ship_gym.conventions import N
+from ship_gym.conventions import DELTA, N_STATES, N, U
 from ship_gym.envs.env import ShipEnv
 from ship_gym.tasks import TASKS, observations_of
 from ship_gym.tasks.bridge import N_BRIDGE, record_dtype
@@ -20,15 +21,26 @@ def task():
     return record
 
 
+class Calm(NamedTuple):
+    V_north: float = 0.0
+    V_east: float = 0.0
+
+
+def state(u=0.0, delta=0.0):
+    found = np.zeros(N_STATES)
+    found[[U, DELTA]] = u, delta
+    return found
+
+
 def test_cost_terms_by_hand(task):
-    terms = costs(-0.3, 0.02, 6.0, task, False)
+    terms = costs(state(6.0, -0.3), state(9.0, -0.32), Calm(), task, False)
     expected = (-4.0 * 0.09, -6.0 * 0.25, -8.0 * 0.0625, 0.0)
     np.testing.assert_allclose(terms, expected)
     assert Costs._fields == tuple(term.name for term in COSTS)
 
 
 def test_failing_costs_once_and_speed_gain_is_not_paid(task):
-    terms = costs(0.0, 0.0, 9.0, task, True)
+    terms = costs(state(9.0), state(), Calm(), task, True)
     assert terms.speed_loss == 0.0 and terms.termination == -50.0
 
 

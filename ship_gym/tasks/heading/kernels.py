@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ship_gym.conventions import DELTA, PSI, U
+from ship_gym.conventions import PSI
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
-from ship_gym.physics.dynamics import water_velocity
 from ship_gym.tasks.base import RUNNING
 from ship_gym.tasks.bridge import settle
 from ship_gym.tasks.rewards import costs
@@ -38,13 +37,11 @@ def judge_batch(states, before, seas, tasks, plans, terms, results):
     It is judged by the order that held during it; then the next one is given, if it is its time.
     """
     for i in range(states.shape[0]):
-        task, psi, delta = tasks[i], states[i, PSI], states[i, DELTA]
-        u_c, _ = water_velocity(psi, seas[i])
-        psi_e = wrapped(psi - task.psi_ordered)
+        task = tasks[i]
+        psi_e = wrapped(states[i, PSI] - task.psi_ordered)
         outcome = HEADING_LIMIT if abs(psi_e) > task.heading_limit else RUNNING
-        stroke, u = delta - before[i, DELTA], states[i, U] - u_c
         own = (-task.interval * task.heading * psi_e * psi_e,)
-        paid = costs(delta, stroke, u, task, outcome != RUNNING)
+        paid = costs(states[i], before[i], seas[i], task, outcome != RUNNING)
         settle(results[i], terms[i], psi_e, own, paid, outcome, task)
         if 0.0 < task.next_change <= results[i].elapsed:
             give_order(task, plans[i], task.active + 1)

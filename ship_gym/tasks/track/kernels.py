@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from ship_gym.conventions import DELTA, PSI, U, V, X, Y
+from ship_gym.conventions import PSI, U, V, X, Y
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
-from ship_gym.physics.dynamics import water_velocity
-from ship_gym.tasks.base import RUNNING, Outcome, Row
+from ship_gym.tasks.base import RUNNING, Outcome, Row, check_names
 from ship_gym.tasks.bridge import N_BRIDGE, clipped, observe_bridge, settle
 from ship_gym.tasks.rewards import costs
 from ship_gym.tracks.guidance import leg_position, look_ahead_bearing, passed
@@ -66,6 +66,20 @@ FIELDS = (
     ("acceptance", np.float64),  # [m]
     ("look_ahead", np.float64),  # [m]
 )
+
+
+class TrackView(NamedTuple):
+    """What a track adds to the observation of one ship, in the order of `OBSERVATIONS`."""
+
+    cross_track: float
+    cross_track_rate: float
+    to_go: float
+    next_turn: float
+    sin_look_ahead: float
+    cos_look_ahead: float
+
+
+check_names("the rows of a track", TrackView._fields, OBSERVATIONS)
 _LOW = tuple(row.low for row in OBSERVATIONS)
 _HIGH = tuple(row.high for row in OBSERVATIONS)
 N_TRACK = len(OBSERVATIONS)
@@ -94,13 +108,13 @@ def observe_track(seen, state, task, row):
     to_leg = state[PSI] - bearing
     rate = state[U] * math.sin(to_leg) + state[V] * math.cos(to_leg)
     psi_l = seen.psi - look_ahead_bearing(bearing, cross, task.look_ahead)
-    values = (
-        cross / task.L,
-        rate / task.speed,
-        (length - along) / task.L,
-        task.turn / math.pi,
-        math.sin(psi_l),
-        math.cos(psi_l),
+    values = TrackView(
+        cross_track=cross / task.L,
+        cross_track_rate=rate / task.speed,
+        to_go=(length - along) / task.L,
+        next_turn=task.turn / math.pi,
+        sin_look_ahead=math.sin(psi_l),
+        cos_look_ahead=math.cos(psi_l),
     )
     for k in range(N_TRACK):
         row[N_BRIDGE + k] = clipped(values[k], _LOW[k], _HIGH[k])
@@ -143,8 +157,7 @@ def judge_batch(states, before, seas, tasks, plans, terms, results):
     from this one, as in the observation. Reaching the last way-point ends the episode as arrived.
     """
     for i in range(states.shape[0]):
-        task, psi, delta = tasks[i], states[i, PSI], states[i, DELTA]
-        u_c, _ = water_velocity(psi, seas[i])
+        task = tasks[i]
         along, cross, _, length = leg_position(
             states[i, X], states[i, Y], task.x_a, task.y_a, task.x_b, task.y_b
         )
@@ -153,9 +166,9 @@ def judge_batch(states, before, seas, tasks, plans, terms, results):
         outcome = ARRIVED if reached and last else RUNNING
         if abs(cross) > task.cross_limit:
             outcome = TRACK_LIMIT
-        stroke, u, error = delta - before[i, DELTA], states[i, U] - u_c, cross / task.L
+        error = cross / task.L
         own = (-task.interval * task.cross_track * error * error,)
-        paid = costs(delta, stroke, u, task, outcome == TRACK_LIMIT)
+        paid = costs(states[i], before[i], seas[i], task, outcome == TRACK_LIMIT)
         settle(results[i], terms[i], cross, own, paid, outcome, task)
         if reached and not last:
             sail_leg(task, plans[i], task.active + 1)
