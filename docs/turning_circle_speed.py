@@ -16,6 +16,7 @@ from reproduce.surge import hull_surge_terms
 from ship_gym import load_ship
 from ship_gym.manoeuvres import TurningCircle, turning_circle
 from ship_gym.physics.dynamics import forces
+from ship_gym.physics.quantities import Tables
 from ship_gym.reports.balance import inertia_terms, last_turn
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet
@@ -38,7 +39,7 @@ def state(side: int, U: float, r_: float, beta: float, n: float) -> dict[str, fl
     """Forces of the model in a given steady motion, mirrored so that port reads as starboard."""
     u, v, r = U * math.cos(beta), -side * U * math.sin(beta), side * r_ * U / SHIP.hull.L
     made = fleet([SHIP])
-    tables = (made.water[0], made.deflected[0])
+    tables = Tables(made.open_water[0], made.deflected[0])
     (H, P, R), flow = forces((u, v, r), (side * DELTA, n), made.records[0], tables)
     centripetal, offset = inertia_terms(SHIP, u, v, r)
     inertia = SHIP.inertia

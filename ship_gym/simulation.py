@@ -26,6 +26,7 @@ from ship_gym.physics._kernel import threads_work
 from ship_gym.physics.disturbance import set_harmonics
 from ship_gym.physics.dynamics import forces as ship_forces
 from ship_gym.physics.dynamics import over_ground, total
+from ship_gym.physics.quantities import Tables
 from ship_gym.physics.step import see_waves, step_batch, step_batch_parallel
 from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_waves
 from ship_gym.sea.records import Waters, set_phases, waters
@@ -89,7 +90,8 @@ class ShipSim:
         if len(self.ships) != self.n:
             raise ConfigError(f"{len(self.ships)} ships given for n = {self.n}")
         made = fleet(self.ships)
-        self.records, self._water, self._deflected = made.records, made.water, made.deflected
+        self.records = made.records
+        self._open_water, self._deflected = made.open_water, made.deflected
         sea = CALM if sea is None else sea
         self.water = waters(self.ships, sea if isinstance(sea, Sea) else list(sea))
         self.seas = self.water.records
@@ -264,7 +266,7 @@ class ShipSim:
             self._clock,
             self.records,
             self.seas,
-            self._water,
+            self._open_water,
             self._deflected,
             *self._field[1:],
             self.forces,
@@ -298,7 +300,7 @@ def longest_step(ship: Ship) -> float:
 def straight_forces(ship: Ship, speed: float, n: float):
     """Forces on a straight course with the rudder amidships, as ``physics.dynamics.forces``."""
     made = fleet([ship])
-    tables = (made.water[0], made.deflected[0])
+    tables = Tables(made.open_water[0], made.deflected[0])
     return ship_forces((speed, 0.0, 0.0), (0.0, n), made.records[0], tables)
 
 
@@ -321,7 +323,7 @@ def self_propulsion(ship: Named | Ship, speed: float) -> float:
         return 0.0
     ship = load_ship(ship)
     made = fleet([ship])
-    record, tables = made.records[0], (made.water[0], made.deflected[0])
+    record, tables = made.records[0], Tables(made.open_water[0], made.deflected[0])
 
     def surge(n: float) -> float:
         own, _ = ship_forces((speed, 0.0, 0.0), (0.0, n), record, tables)

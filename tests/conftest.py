@@ -3,6 +3,7 @@ import dataclasses
 import pytest
 
 from ship_gym.physics import dynamics
+from ship_gym.physics.quantities import Tables
 from ship_gym.ships import available_ships, load_ship
 from ship_gym.ships.records import fleet
 
@@ -12,7 +13,7 @@ SHIPS = available_ships()
 def tables_of(ship):
     """Record and tables of one ship, as the kernels take them."""
     made = fleet([ship])
-    return made.records[0], (made.water[0], made.deflected[0])
+    return made.records[0], Tables(made.open_water[0], made.deflected[0])
 
 
 def forces(motion, controls, record, tables):

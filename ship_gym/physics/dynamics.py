@@ -9,53 +9,63 @@ from ship_gym.conventions import PSI, U, V
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.hull import hull_forces
 from ship_gym.physics.propeller import (
+    Inflow,
     advance_ratio,
     outside_box,
     propeller_forces,
     surrogate_blend,
 )
+from ship_gym.physics.quantities import Controls, Flow, Force, Motion
 from ship_gym.physics.rudder import rudder_forces
 
 
 class OwnForces(NamedTuple):
-    """Forces of the ship herself at one instant: X, Y [N], N [N m] at midship of each."""
+    """Forces of the ship herself at one instant."""
 
-    hull: tuple[float, float, float]
-    propeller: tuple[float, float, float]
-    rudder: tuple[float, float, float]
+    hull: Force
+    propeller: Force
+    rudder: Force
+
+
+class Loading(NamedTuple):
+    """How one propeller and its rudder are loaded: beta [rad], T [N], Q [N m], F_N [N]."""
+
+    beta_P: float
+    beta_R: float
+    thrust: float
+    torque: float
+    F_N: float
 
 
 @kernel
 def total(loads):
-    """Sum of some loads: X, Y [N], N [N m]."""
+    """Sum of some forces."""
     X, Y, N = loads[0]
     for k in range(1, len(loads)):
         load = loads[k]
-        X, Y, N = X + load[0], Y + load[1], N + load[2]
-    return X, Y, N
+        X, Y, N = X + load.X, Y + load.Y, N + load.N
+    return Force(X, Y, N)
 
 
 @kernel
-def unit_forces(motion, controls, drift, ship, tables):
+def unit_forces(motion, controls, inflow, ship, tables):
     """Forces of one propeller with its rudder: the only one, or the starboard one.
 
     Returns
     -------
-    propeller, rudder : (float, float, float)
-        X, Y [N], N [N m] at midship.
-    diagnosis : (float, float, float, float, float)
-        beta_P, beta_R [rad], thrust [N], torque [N m], rudder normal force [N].
+    propeller, rudder : Force
+    loading : Loading
     """
-    propeller, race, local = propeller_forces(motion, controls, drift, ship, tables)
+    propeller, race, local = propeller_forces(motion, controls, inflow, ship, tables)
     epsilon, beta_P = local
-    rudder, F_N, beta_R = rudder_forces(motion, controls, drift, race, epsilon, ship, tables)
-    return propeller, rudder, (beta_P, beta_R, race[0], race[2], F_N)
+    rudder, F_N, beta_R = rudder_forces(motion, controls, inflow, race, epsilon, ship, tables)
+    return propeller, rudder, Loading(beta_P, beta_R, race.thrust, race.torque, F_N)
 
 
 @kernel
 def with_mirror_image(starboard, port):
     """Force of two units from the starboard one's and the port one's in the mirrored ship."""
-    return starboard[0] + port[0], starboard[1] - port[1], starboard[2] - port[2]
+    return Force(starboard.X + port.X, starboard.Y - port.Y, starboard.N - port.N)
 
 
 @kernel
@@ -64,39 +74,38 @@ def forces(motion, controls, ship, tables):
 
     Parameters
     ----------
-    motion : (float, float, float)
-        u, v [m/s], r [rad/s] through the water.
-    controls : (float, float)
-        Rudder angle [rad], propeller speed [rev/s]; of both, if there are two.
+    motion : Motion
+        Or a tuple u, v [m/s], r [rad/s] through the water.
+    controls : Controls
+        Or a tuple of rudder angle [rad] and propeller speed [rev/s]; of both, if there are two.
     ship : record
         One ship of ``ship_gym.ships.records``.
-    tables : (ndarray, ndarray)
-        Its open-water and surrogate tables.
+    tables : Tables
 
     Returns
     -------
     own : OwnForces
         Of all propellers and of all rudders together.
-    flow : tuple of 7 floats
-        J, beta_P, beta_R [rad], thrust [N], torque [N m], rudder normal force [N], extrapolation
-        (``conventions.FLOW_NAMES``); forces and torque of all, angles on the centreline.
+    flow : Flow
+        Forces and torque of all, angles on the centreline.
     """
     u, v, r = motion
+    delta, n = controls
     # |u|: astern the drift of wake and rudder is counted from the stern, so that nothing jumps
     # where the ship backs straight; the same as atan2(-v, u) ahead
-    drift = (math.sqrt(u * u + v * v), math.atan2(-v, abs(u)))
-    on_hull = hull_forces(u, v, r, ship.hull, ship.rho)
-    P, R, seen = unit_forces(motion, controls, drift, ship, tables)
-    beta_P, beta_R, T, Q, F_N = seen
+    U, beta = math.sqrt(u * u + v * v), math.atan2(-v, abs(u))
+    X, Y, N = hull_forces(u, v, r, ship.hull, ship.rho)
+    P, R, loading = unit_forces(Motion(u, v, r), Controls(delta, n), Inflow(U, beta), ship, tables)
+    beta_P, beta_R, T, Q, F_N = loading
     if ship.propeller.y_P > 0.0:
-        mirrored = (-controls[0], controls[1])
-        P2, R2, seen = unit_forces((u, -v, -r), mirrored, (drift[0], -drift[1]), ship, tables)
+        motion, controls, inflow = Motion(u, -v, -r), Controls(-delta, n), Inflow(U, -beta)
+        P2, R2, port = unit_forces(motion, controls, inflow, ship, tables)
         P, R = with_mirror_image(P, P2), with_mirror_image(R, R2)
-        beta_P, beta_R = 0.5 * (beta_P - seen[0]), 0.5 * (beta_R - seen[1])
-        T, Q, F_N = T + seen[2], Q + seen[3], F_N - seen[4]
-    J = advance_ratio(u, controls[1], ship.propeller.D)
-    outside = extrapolation(J, beta_P, beta_R, controls[0], ship.surrogate)
-    return OwnForces(on_hull, P, R), (J, beta_P, beta_R, T, Q, F_N, outside)
+        beta_P, beta_R = 0.5 * (beta_P - port.beta_P), 0.5 * (beta_R - port.beta_R)
+        T, Q, F_N = T + port.thrust, Q + port.torque, F_N - port.F_N
+    J = advance_ratio(u, n, ship.propeller.D)
+    outside = extrapolation(J, beta_P, beta_R, delta, ship.surrogate)
+    return OwnForces(Force(X, Y, N), P, R), Flow(J, beta_P, beta_R, T, Q, F_N, outside)
 
 
 @kernel

@@ -7,37 +7,50 @@ import math
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.actuators import engine_after, governed_command, rudder_after
 from ship_gym.physics.dynamics import accelerations, forces, total, water_velocity
+from ship_gym.physics.quantities import Body, Controls, Motion, State
 
 
 @kernel
 def derivative(body, controls, load, ship, sea, tables):
-    """Time derivative of (u, v, r, x, y, psi), the ship's own forces, and the flow.
+    """Rates of the body, the ship's own forces, and the flow.
 
-    `load` is the sum of what is held during this step, X, Y [N] and N [N m]. A uniform current
-    enters by relative velocity; its rotation in body axes gives back the acceleration over ground.
+    `load` is the sum of what is held during this step, a Force. A uniform current enters by
+    relative velocity; its rotation in body axes gives back the acceleration over ground.
     """
     u, v, r, _, _, psi = body
     u_c, v_c = water_velocity(psi, sea)
-    motion = (u - u_c, v - v_c, r)
+    motion = Motion(u - u_c, v - v_c, r)
     own, flow = forces(motion, controls, ship, tables)
-    X, Y, N = total(own)
-    du, dv, dr = accelerations(motion, X + load[0], Y + load[1], N + load[2], ship.inertia)
+    F = total(own)
+    du, dv, dr = accelerations(motion, F.X + load.X, F.Y + load.Y, F.N + load.N, ship.inertia)
     c, s = math.cos(psi), math.sin(psi)
-    rates = (du + r * v_c, dv - r * u_c, dr, u * c - v * s, u * s + v * c, r)
+    rates = Body(du + r * v_c, dv - r * u_c, dr, u * c - v * s, u * s + v * c, r)
     return rates, own, flow
 
 
 @kernel
 def advanced(body, rates, h):
-    """Body state moved by h times its rates (an Euler stage)."""
-    return (
-        body[0] + h * rates[0],
-        body[1] + h * rates[1],
-        body[2] + h * rates[2],
-        body[3] + h * rates[3],
-        body[4] + h * rates[4],
-        body[5] + h * rates[5],
+    """Body moved by h times its rates (an Euler stage)."""
+    return Body(
+        u=body.u + h * rates.u,
+        v=body.v + h * rates.v,
+        r=body.r + h * rates.r,
+        x=body.x + h * rates.x,
+        y=body.y + h * rates.y,
+        psi=body.psi + h * rates.psi,
     )
+
+
+@kernel
+def simpson(a, b, c, d):
+    """Sum of the four rates of a Runge-Kutta step by their weights."""
+    return a + 2.0 * (b + c) + d
+
+
+@kernel
+def body_of(state):
+    """The body in a state."""
+    return Body(state.u, state.v, state.r, state.x, state.y, state.psi)
 
 
 @kernel
@@ -46,29 +59,34 @@ def runge_kutta_4(state, command, load, dt, ship, sea, tables):
 
     Parameters
     ----------
-    state : tuple of 8 floats
-        In the order of ``conventions.STATE_NAMES``.
-    command : (float, float)
-        Rudder [rad] and propeller speed [rev/s] commands, held during the step.
+    state : State
+    command : Controls
+        Held during the step.
+    load : Force
+        Held during the step.
     """
-    body, delta, n = state[:6], state[6], state[7]
-    k1, own, flow = derivative(body, (delta, n), load, ship, sea, tables)
-    target = governed_command(n, command[1], flow[4], ship.engine)
-    h = 0.5 * dt
-    middle = rudder_after(delta, command[0], h, ship.gear), engine_after(n, target, h, ship.engine)
-    end = rudder_after(delta, command[0], dt, ship.gear), engine_after(n, target, dt, ship.engine)
+    body, delta, n = body_of(state), state.delta, state.n
+    k1, own, flow = derivative(body, Controls(delta, n), load, ship, sea, tables)
+    target = governed_command(n, command.n, flow.torque, ship.engine)
+    h, gear, engine = 0.5 * dt, ship.gear, ship.engine
+    middle = Controls(
+        rudder_after(delta, command.delta, h, gear), engine_after(n, target, h, engine)
+    )
+    end = Controls(
+        rudder_after(delta, command.delta, dt, gear), engine_after(n, target, dt, engine)
+    )
     k2, _, _ = derivative(advanced(body, k1, h), middle, load, ship, sea, tables)
     k3, _, _ = derivative(advanced(body, k2, h), middle, load, ship, sea, tables)
     k4, _, _ = derivative(advanced(body, k3, dt), end, load, ship, sea, tables)
     w = dt / 6.0
-    new = (
-        body[0] + w * (k1[0] + 2.0 * (k2[0] + k3[0]) + k4[0]),
-        body[1] + w * (k1[1] + 2.0 * (k2[1] + k3[1]) + k4[1]),
-        body[2] + w * (k1[2] + 2.0 * (k2[2] + k3[2]) + k4[2]),
-        body[3] + w * (k1[3] + 2.0 * (k2[3] + k3[3]) + k4[3]),
-        body[4] + w * (k1[4] + 2.0 * (k2[4] + k3[4]) + k4[4]),
-        body[5] + w * (k1[5] + 2.0 * (k2[5] + k3[5]) + k4[5]),
-        end[0],
-        end[1],
+    new = State(
+        u=body.u + w * simpson(k1.u, k2.u, k3.u, k4.u),
+        v=body.v + w * simpson(k1.v, k2.v, k3.v, k4.v),
+        r=body.r + w * simpson(k1.r, k2.r, k3.r, k4.r),
+        x=body.x + w * simpson(k1.x, k2.x, k3.x, k4.x),
+        y=body.y + w * simpson(k1.y, k2.y, k3.y, k4.y),
+        psi=body.psi + w * simpson(k1.psi, k2.psi, k3.psi, k4.psi),
+        delta=end.delta,
+        n=end.n,
     )
     return new, own, flow

@@ -8,9 +8,11 @@ are blended with the square of the rudder angle (our choice, physics of neither 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.interpolate import bilinear, cell, linear
+from ship_gym.physics.quantities import Force
 
 # Channels of ``Ship.surrogate`` (coefficients over the advance angle) and of ``Ship.open_water``;
 # the standard deviation of channel k < TRUST is channel STD + k.
@@ -18,14 +20,29 @@ C_T, C_Q, C_S, C_N, C_A, TRUST, STD = range(7)
 J_LIMIT = 10.0  # reported advance ratio of a stopped propeller instead of infinity
 
 
+class Inflow(NamedTuple):
+    """Speed U [m/s] and drift angle [rad] at midship."""
+
+    U: float
+    beta: float
+
+
+class Race(NamedTuple):
+    """What a propeller sends to its rudder: thrust [N], 1 - w_P, torque [N m]."""
+
+    thrust: float
+    ratio: float
+    torque: float
+
+
 @kernel
-def wake(flow, r, propeller):
+def wake(inflow, r, propeller):
     """Effective velocity ratio 1 - w_P while manoeuvring.
 
     YY15 if ``wake_C1 > 0``; otherwise ``w_P = w_P0 exp(-wake_beta2 beta_P^2)`` (Yoshimura et al.
-    2013). beta_P = beta - x'_P r' (YY15); `flow` is (U [m/s], beta [rad]).
+    2013). beta_P = beta - x'_P r' (YY15); `inflow` is an `Inflow`.
     """
-    U, beta = flow
+    U, beta = inflow
     beta_P = beta - propeller.x_P * r / U if U > 0.0 else 0.0
     if propeller.wake_C1 > 0.0:
         C2 = propeller.wake_C2_p if beta_P > 0.0 else propeller.wake_C2_n
@@ -66,7 +83,7 @@ def sampled(table, at, channel, z):
 @kernel
 def surrogate_of(side, tables):
     """Table of the propeller and rudder on the leeward (starboard turn) or windward side."""
-    return tables[1][0] if side > 0.0 else tables[1][1]
+    return tables.deflected[0] if side > 0.0 else tables.deflected[1]
 
 
 @kernel
@@ -101,43 +118,41 @@ def advance_ratio(u, n, D):
 
 
 @kernel
-def propeller_forces(motion, controls, flow, ship, tables):
+def propeller_forces(motion, controls, inflow, ship, tables):
     """Thrust, side force and torque of the propeller, of two the starboard one.
 
     Parameters
     ----------
-    motion : (float, float, float)
-        u, v [m/s], r [rad/s] through the water.
-    controls : (float, float)
-        Rudder angle [rad], propeller speed [rev/s] >= 0.
-    flow : (float, float)
-        Speed U [m/s] and drift angle atan2(-v, abs(u)) [rad] at midship.
+    motion : Motion
+        Through the water.
+    controls : Controls
+        Propeller speed >= 0.
+    inflow : Inflow
+        Drift angle atan2(-v, abs(u)).
     ship : record
-    tables : (ndarray, ndarray)
-        Open-water table (count, 2) and surrogate tables (2, count, count, 11) of this ship.
+    tables : Tables
 
     Returns
     -------
-    force : (float, float, float)
-        X = (1 - t_P) T, Y [N] and N [N m].
-    race : (float, float, float)
-        Thrust T [N], velocity ratio 1 - w_P, torque Q [N m].
+    force : Force
+        With X = (1 - t_P) T.
+    race : Race
     local : (float, float)
         Advance angle epsilon of the ship's speed and drift beta_P at the propeller [rad].
     """
-    _, v, r = motion
-    n = controls[1]
+    u, v, r = motion
+    delta, n = controls
     p, axis, box = ship.propeller, ship.open_water, ship.surrogate
-    u = motion[0] - p.y_P * r + 0.0  # never -0, whose drift angle would be 180 deg
-    ratio = wake(flow, r, p)
+    u = u - p.y_P * r + 0.0  # never -0, whose drift angle would be 180 deg
+    ratio = wake(inflow, r, p)
     u_A = ratio * u
-    water = tables[0]
+    water = tables.open_water
     i, w = cell(advance_angle(u_A, n, p.D), axis.start, axis.step, water.shape[0])
     q = advance_pressure(u_A, n, p, ship.rho)
     T, Q, S = q * linear(water, i, w, C_T), q * p.D * linear(water, i, w, C_Q), 0.0
     epsilon = advance_angle(u, n, p.D)
     beta_P = math.atan2(-(v + p.x_P * r), u)
-    blend, side = surrogate_blend(controls[0], box)
+    blend, side = surrogate_blend(delta, box)
     if blend > 0.0:
         table = surrogate_of(side, tables)
         at = surrogate_cell(epsilon, side * beta_P, box, table)
@@ -148,7 +163,8 @@ def propeller_forces(motion, controls, flow, ship, tables):
         # the table's side force is to port
         S = -side * share * q * sampled(table, at, C_S, box.z_S)
     X = (1.0 - p.t_P) * T
-    return (X, S, p.x_P * S - p.y_P * X), (T, ratio, Q), (epsilon, beta_P)
+    force = Force(X, S, p.x_P * S - p.y_P * X)
+    return force, Race(T, ratio, Q), (epsilon, beta_P)
 
 
 @kernel

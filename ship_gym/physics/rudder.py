@@ -18,6 +18,7 @@ from ship_gym.physics.propeller import (
     surrogate_cell,
     surrogate_of,
 )
+from ship_gym.physics.quantities import Force
 
 STALL = math.radians(35.0)  # the samples follow sin(alpha) to 33 deg, their largest inflow angle
 SIN_STALL = math.sin(STALL)
@@ -50,9 +51,10 @@ def axial_inflow(u, race, ship):
 
 
 @kernel
-def lateral_inflow(flow, r, rudder):
+def lateral_inflow(inflow, r, rudder):
     """Sway velocity at the rudder before straightening, U beta - l_R r [m/s] (YY15)."""
-    return flow[0] * flow[1] - rudder.l_R * r
+    U, beta = inflow
+    return U * beta - rudder.l_R * r
 
 
 @kernel
@@ -107,7 +109,7 @@ def beaufoy(U, sin_delta, A_R):
 
 
 @kernel
-def rudder_on_plate(motion, controls, flow, wash, ship, tables):
+def rudder_on_plate(motion, delta, inflow, wash, ship, tables):
     """Normal force F_N and chordwise force F_A on the rudder alone [N], and beta_R.
 
     F_N is the effective-inflow law at this angle, plus a share (delta / trained angle)^2 of what
@@ -116,17 +118,18 @@ def rudder_on_plate(motion, controls, flow, wash, ship, tables):
     by; two have a table for each side), and near amidships the law is left alone.
     """
     race, epsilon, direction = wash
-    _, v, r = motion
+    u, v, r = motion
     k, box = ship.rudder, ship.surrogate
-    u = motion[0] - k.y_R * r + 0.0  # never -0, as in `propeller_forces`
+    u = u - k.y_R * r + 0.0  # never -0, as in `propeller_forces`
     v_local = v + k.x_R * r
     beta_R = math.atan2(-v_local, u)
     if k.beaufoy > 0.0:
-        return beaufoy(flow[0], direction[0], k.A_R), 0.0, beta_R
+        U, _ = inflow
+        return beaufoy(U, direction[0], k.A_R), 0.0, beta_R
     u_R = axial_inflow(u, race, ship)
-    v_g = lateral_inflow(flow, r, k)
+    v_g = lateral_inflow(inflow, r, k)
     F_N = normal_force(direction, u_R, straightening(v_g, 1.0, k) * v_g, k, ship.rho)
-    blend, side = surrogate_blend(controls[0], box)
+    blend, side = surrogate_blend(delta, box)
     doubt = box.z_N * box.law_std  # a draw moves the law too, by its error at the samples
     if blend <= 0.0:
         return F_N * (1.0 + doubt), 0.0, beta_R
@@ -135,7 +138,7 @@ def rudder_on_plate(motion, controls, flow, wash, ship, tables):
     law = normal_force(trained, u_R, straightening(v_g, mirror, k) * v_g, k, ship.rho)
     table = surrogate_of(side, tables)
     at = surrogate_cell(epsilon, side * beta_R, box, table)
-    q = race_speed_squared(u, race[0], ship.propeller.D, ship.rho) + v_local * v_local
+    q = race_speed_squared(u, race.thrust, ship.propeller.D, ship.rho) + v_local * v_local
     q *= 0.5 * ship.rho * box.S_R
     share = blend * bilinear(table, at, TRUST)
     F_N *= 1.0 + doubt * (1.0 - share)
@@ -144,31 +147,32 @@ def rudder_on_plate(motion, controls, flow, wash, ship, tables):
 
 
 @kernel
-def rudder_forces(motion, controls, flow, race, epsilon, ship, tables):
+def rudder_forces(motion, controls, inflow, race, epsilon, ship, tables):
     """Rudder and hull-rudder interaction forces, of two rudders the starboard one's.
 
     Parameters
     ----------
-    motion, controls, flow, ship, tables
+    motion, controls, inflow, ship, tables
         As in `propeller_forces`.
-    race : (float, float, float)
-        Thrust [N], 1 - w_P, torque [N m] from `propeller_forces`.
+    race : Race
+        From `propeller_forces`.
     epsilon : float
         Advance angle [rad] from `propeller_forces`.
 
     Returns
     -------
-    force : (float, float, float)
+    force : Force
         X_R = (1 - t_R) F_x, Y_R = (1 + a_H) F_y, N_R = (x_R + a_H x_H) F_y (YY15), of two rudders
         - y_R X_R in addition.
     F_N, beta_R : float
         Normal force [N], local drift at the rudder [rad].
     """
     k = ship.rudder
-    s, c = math.sin(controls[0]), math.cos(controls[0])
+    delta, _ = controls
+    s, c = math.sin(delta), math.cos(delta)
     wash = (race, epsilon, (s, c))
-    F_N, F_A, beta_R = rudder_on_plate(motion, controls, flow, wash, ship, tables)
+    F_N, F_A, beta_R = rudder_on_plate(motion, delta, inflow, wash, ship, tables)
     X = (1.0 - k.t_R) * (-F_N * s + F_A * c)
     F_y = -(F_N * c + F_A * s)
     N = (k.x_R + k.a_H * k.x_H) * F_y - k.y_R * X
-    return (X, (1.0 + k.a_H) * F_y, N), F_N, beta_R
+    return Force(X, (1.0 + k.a_H) * F_y, N), F_N, beta_R

@@ -12,6 +12,7 @@ sines are half of the time; the second forms the sums.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +27,25 @@ from ship_gym.physics.interpolate import cell
 AMPLITUDE, OMEGA, K_NORTH, K_EAST, PHASE, DIRECTION = range(6)
 # What `wave_loads` returns: drift X, Y [N], N [N m], wave-frequency sway [m], its velocity [m/s],
 # roll, yaw [rad], yaw rate [rad/s], and how far outside the response table the ship is
-WAVE_NAMES = ("X", "Y", "N", "sway", "sway_velocity", "roll", "yaw", "yaw_rate", "extrapolation")
+
+
+class WaveState(NamedTuple):
+    """What waves do to a ship at one instant."""
+
+    X: float
+    Y: float
+    N: float
+    sway: float
+    sway_velocity: float
+    roll: float
+    yaw: float
+    yaw_rate: float
+    extrapolation: float
+
+
+WAVE_NAMES = WaveState._fields
 N_WAVE_STATE = len(WAVE_NAMES)
+WAVE_X, WAVE_Y, WAVE_N = range(3)
 WAVE_SWAY, WAVE_SWAY_VELOCITY, WAVE_ROLL, WAVE_YAW, WAVE_YAW_RATE, WAVE_EXTRAPOLATION = range(3, 9)
 _TURN = 2.0 * math.pi
 
@@ -106,8 +124,7 @@ def wave_loads(time, body, waves, groups, response, grid, mean_only):
     ----------
     time : float
         [s]
-    body : tuple of 6 floats
-        u, v over ground [m/s], r, x, y [m], psi [rad].
+    body : Body
     waves : ndarray (6, N)
         Sorted by direction.
     groups : ndarray of int (G + 1,)
@@ -121,12 +138,13 @@ def wave_loads(time, body, waves, groups, response, grid, mean_only):
 
     Returns
     -------
-    tuple of 9 floats
-        ``WAVE_NAMES``.
+    WaveState
     """
-    psi, met = body[5], met_waves(time, body, waves)
+    _, _, _, _, _, psi = body
+    met = met_waves(time, body, waves)
     speeds, headings = response.shape[0], response.shape[1]
-    i, w = cell(min(grid[2], grid[1]), 0.0, grid[0], speeds)
+    speed_step, speed_max, u = grid
+    i, w = cell(min(u, speed_max), 0.0, speed_step, speeds)
     PX = PX_ = PY = PY_ = PN = PN_ = Q = Q_ = 0.0
     sway = sway_rate = roll = yaw = yaw_rate = 0.0
     for g in range(len(groups) - 1):
@@ -157,5 +175,5 @@ def wave_loads(time, body, waves, groups, response, grid, mean_only):
             yaw_rate -= omega_e * (re * s + im * c)
     if not mean_only:
         PX, PY, PN = PX * Q + PX_ * Q_, PY * Q + PY_ * Q_, PN * Q + PN_ * Q_
-    outside = max(0.0, grid[2] / grid[1] - 1.0)
-    return PX, PY, PN, sway, sway_rate, roll, yaw, yaw_rate, outside
+    outside = max(0.0, u / speed_max - 1.0)
+    return WaveState(PX, PY, PN, sway, sway_rate, roll, yaw, yaw_rate, outside)

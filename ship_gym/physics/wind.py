@@ -32,14 +32,13 @@ def wind_forces(time, body, sea, table):
     ----------
     time : float
         [s]
-    body : tuple of 6 floats
-        u, v over ground [m/s], r, x, y, psi [rad].
+    body : Body
     sea : record
         Mean wind, gusts, areas A_F, A_L [m2] and length L_oa [m].
     table : ndarray (count, 3)
         CX, CY, CN over gamma_w from 0 to 2 pi.
     """
-    u, v, psi = body[0], body[1], body[5]
+    u, v, _, _, _, psi = body
     factor = gust_factor(time, sea)
     north, east = sea.wind_north * factor, sea.wind_east * factor
     c, s = math.cos(psi), math.sin(psi)

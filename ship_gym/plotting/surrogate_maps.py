@@ -13,6 +13,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from ship_gym.physics.dynamics import forces, unit_forces
+from ship_gym.physics.quantities import Tables
 from ship_gym.plotting.figure import INK, RED
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet
@@ -80,7 +81,7 @@ def response(ship: Ship, J: float, beta: float, side: str = "single") -> dict[st
 def responses(ship: Ship, J: np.ndarray, beta: np.ndarray, side: str = "single") -> np.ndarray:
     """`response` at every pair, object array of shape (len(beta), len(J))."""
     made = fleet([ship])
-    record, tables = made.records[0], (made.water[0], made.deflected[0])
+    record, tables = made.records[0], Tables(made.open_water[0], made.deflected[0])
     mirror = -1.0 if side == WINDWARD else 1.0
     found = np.empty((len(beta), len(J)), dtype=object)
     for i, angle in enumerate(beta):
@@ -120,7 +121,7 @@ def side_force(ship: Ship, delta: np.ndarray, beta: float) -> np.ndarray:
         Drift angle [rad].
     """
     made = fleet([ship])
-    tables, record = (made.water[0], made.deflected[0]), made.records[0]
+    tables, record = Tables(made.open_water[0], made.deflected[0]), made.records[0]
     n = self_propulsion(ship, ship.speed)
     motion = (ship.speed * math.cos(beta), -ship.speed * math.sin(beta), 0.0)
     sway = [forces(motion, (float(d), n), record, tables)[0].rudder[1] for d in delta]

@@ -86,13 +86,13 @@ class Fleet:
     ----------
     records : numpy.ndarray
         SHIP_DTYPE, shape (n,). Domain randomisation is a write to one of its columns.
-    water, deflected : numpy.ndarray
+    open_water, deflected : numpy.ndarray
         Tables of each kind of ship, shapes (kinds, count, 2) and (kinds, 2, count, count, 11): the
         only propeller and rudder or, of two, the leeward and the windward one.
     """
 
     records: np.ndarray
-    water: np.ndarray
+    open_water: np.ndarray
     deflected: np.ndarray
 
 
@@ -103,11 +103,11 @@ def fleet(ships: list[Ship]) -> Fleet:
     for kind, ship in enumerate(kinds):
         _fill(made[kind], ship, kind)
     records = made[numbers]
-    water = _stacked([ship.open_water.values for ship in kinds], "open-water")
+    open_water = _stacked([ship.open_water.values for ship in kinds], "open-water")
     present = [_by_unit(ship.surrogate) for ship in kinds if ship.surrogate is not None]
     blank = np.zeros_like(present[0]) if present else np.zeros((2, 2, 2, len(CHANNELS)))
     tables = [blank if ship.surrogate is None else _by_unit(ship.surrogate) for ship in kinds]
-    return Fleet(records, water, _stacked(tables, "surrogate"))
+    return Fleet(records, open_water, _stacked(tables, "surrogate"))
 
 
 def numbered(things: Sequence[T]) -> tuple[list[T], list[int]]:

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from ship_gym.physics.disturbance import disturbance_forces, set_phases
+from ship_gym.physics.disturbance import disturbance_forces, set_harmonics
 from ship_gym.physics.wind import gust_factor, wind_forces
-from ship_gym.sea.records import N_GUSTS, N_HARMONICS, SEA_DTYPE
+from ship_gym.sea.records import N_GUSTS, N_HARMONICS, SEA_DTYPE, set_phases
 
 RHO_AIR = 1.225
 A_F, A_L, L_OA = 100.0, 400.0, 50.0
@@ -118,7 +118,7 @@ def test_the_disturbance_is_the_sum_of_its_harmonics(time):
     record = np.zeros(1, SEA_DTYPE)
     record["amplitude"], record["omega_1"] = amplitude, 0.02
     record["Y_std"], record["N_std"] = 3.0, 70.0
-    set_phases(record, phases)
+    set_harmonics(record, phases)
     k = np.arange(1, N_HARMONICS + 1)
     angles = k * 0.02 * time + 2.0 * np.pi * phases.reshape(2, -1)
     Y, N = (amplitude * np.cos(angles)).sum(axis=1) * [3.0, 70.0]
@@ -128,6 +128,7 @@ def test_the_disturbance_is_the_sum_of_its_harmonics(time):
 def test_phases_of_current_and_gusts_follow_those_of_the_disturbance():
     record = np.zeros(1, SEA_DTYPE)
     uniform = np.arange(2 * N_HARMONICS + 1 + N_GUSTS, dtype=float)[None, :]
+    set_harmonics(record, uniform)
     set_phases(record, uniform)
     assert record["variation_phase"][0] == 2 * N_HARMONICS
     assert (record["gust_phase"][0] == 2 * N_HARMONICS + 1 + np.arange(N_GUSTS)).all()

@@ -47,6 +47,6 @@ def test_a_ship_named_often_is_filled_in_once():
     kcs, onrt = load_ship("kcs"), load_ship("onrt")
     many = [kcs, onrt, copied(kcs)] * 64
     made = fleet(many)
-    assert len(made.water) == len(made.deflected) == 2
+    assert len(made.open_water) == len(made.deflected) == 2
     np.testing.assert_array_equal(made.records["kind"], [0, 1, 0] * 64)
     np.testing.assert_array_equal(made.records["hull"]["L"], [s.hull.L for s in many])
