@@ -26,7 +26,8 @@ AREAS = {
 _LEFT_OUT = ("__init__.py", "_kernel.py", "panels.py", "live.py", "view.py", "registration.py")
 _LIMITS = ("min", "max", "clip", "clipped", "minimum", "maximum")
 _ANY_ORDER = (*_LIMITS, "hypot", "isinstance", "getattr", "hasattr", "print")
-_LOOK = ("radii", "colors", "color", "width", "height", "labels", "visible")  # of a drawing
+# keywords of drawings, and what only checks
+_NO_MATTER = ("radii", "colors", "color", "width", "height", "labels", "visible", "strict")
 _COUNTS = ("range", "prange", "arange")
 _FLIPPED = {ast.Add: ("+", "-"), ast.Sub: ("-", "+")}
 _NEIGHBOUR = {
@@ -122,7 +123,7 @@ class _Finder(ast.NodeVisitor):
     visit_Raise = visit_Assert = visit_JoinedStr = visit_Import = visit_ImportFrom = _leave
 
     def visit_keyword(self, node):
-        if node.arg not in _LOOK:
+        if node.arg not in _NO_MATTER:
             self.visit(node.value)
 
     def visit_AnnAssign(self, node):

@@ -33,7 +33,7 @@ COMMAND_NAMES = ("delta_command", "n_command")
 N_COMMANDS = 2
 
 
-class Force(NamedTuple):
+class Component(NamedTuple):
     """One row of the force breakdown, and how it is shown.
 
     Attributes
@@ -65,12 +65,12 @@ class Force(NamedTuple):
 # Hull, propeller, rudder, wave drift and wind are of the start of an interval, the disturbance of
 # the middle of its first integration step. The last three are held during an integration step.
 FORCES = (
-    Force("hull", "hull", "#1f5a94", False),
-    Force("propeller", "propeller", "#2a8f82", False),
-    Force("rudder", "rudder", "#b8402f", False),
-    Force("wave", "wave drift", "#7d4fa6", True),
-    Force("wind", "wind", "#57a5d1", True),
-    Force("disturbance", "disturbance", "#b5488a", True),
+    Component("hull", "hull", "#1f5a94", False),
+    Component("propeller", "propeller", "#2a8f82", False),
+    Component("rudder", "rudder", "#b8402f", False),
+    Component("wave", "wave drift", "#7d4fa6", True),
+    Component("wind", "wind", "#57a5d1", True),
+    Component("disturbance", "disturbance", "#b5488a", True),
 )
 FORCE_COMPONENTS = tuple(force.name for force in FORCES)
 FORCE_AXES = ("X", "Y", "N")

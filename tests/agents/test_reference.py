@@ -153,3 +153,24 @@ def test_a_controller_used_twice_gives_the_same_actions(parts):
     assert np.array_equal(changed_orders(pid), first)
     assert np.array_equal(changed_orders(PID(Gains(1.5, 1.0, **parts))), first)
     assert np.ptp(first) > 0.1
+
+
+@pytest.mark.parametrize("error_deg", [30.0, -30.0])
+def test_the_reference_begins_at_the_heading_of_the_ship(error_deg):
+    """So the first rudder is that of one interval's turn, not of the whole error: K_p = 1.
+
+    After the first part dt' = step / n of an interval the reference has turned by less than
+    w^3 error step^2, here 27 * 0.5 * (1/31)^2 / 2 = 0.4 deg in heading; without it 30 deg.
+    """
+    pid = PID(Gains(1.0, 0.0, reference=Reference(3.0, 0.4)))
+    ship = load_ship("kcs")
+    pid.reset(1, ship, load_scenario())
+    e = math.radians(error_deg)
+    seen = np.zeros((1, 9))
+    seen[0, :2] = math.sin(e), math.cos(e)
+    first = math.degrees(ship.gear.delta_max * pid.act(seen)[0, 0])
+    assert -0.5 < first * math.copysign(1.0, error_deg) <= 0.0
+    plain = PID(Gains(1.0, 0.0))
+    plain.reset(1, ship, load_scenario())
+    full = math.degrees(ship.gear.delta_max * plain.act(seen)[0, 0])
+    assert full == pytest.approx(-error_deg, rel=1e-9)

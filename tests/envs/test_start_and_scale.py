@@ -147,3 +147,24 @@ def test_the_gyro_sees_the_wave_frequency_yaw_and_its_rate():
         error = psi + yaw - info["psi_ordered"]
         assert seen["sin(psi_e)"] == pytest.approx(math.sin(error), abs=1e-6)
         assert seen["u / U0"] == pytest.approx(u / episodes.ship.speed, rel=1e-6)
+
+
+def test_time_begins_at_zero_with_every_episode():
+    env = gym.make(ID, overrides=CALM | {"control_interval": 2.0})
+    for seed in (0, 1):
+        assert env.reset(seed=seed)[1]["time"] == 0.0
+        times = [env.step(np.zeros(1))[4]["time"] for _ in range(3)]
+        assert times == pytest.approx([2.0, 4.0, 6.0])
+
+
+@pytest.mark.parametrize(("uniform", "sign"), [(1e-9, -1.0), (1.0 - 1e-9, 1.0)])
+def test_normal_draws_of_a_ship_end_at_three_standard_deviations(uniform, sign):
+    """1e-9 lies at six: cut to 3 * 0.05 off the resistance and every derivative."""
+    env = gym.make(ID, overrides=CALM | {"randomisation.hull_std": 0.05})
+    env.reset(seed=0)
+    episodes = env.unwrapped.episodes
+    episodes.start(np.array([0]), np.full((1, episodes.n_draws), uniform))
+    drawn = episodes.randomisation()
+    assert len(drawn) == 17
+    for name, value in drawn.items():
+        assert value[0] == pytest.approx(1.0 + sign * 0.15, rel=1e-12), name

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from ship_gym.physics.disturbance import disturbance_forces, set_harmonics
+from ship_gym.physics.quantities import Around
+from ship_gym.physics.step import held_loads
+from ship_gym.physics.waves import WaveState
 from ship_gym.physics.wind import gust_factor, wind_forces
 from ship_gym.sea.records import N_GUSTS, N_HARMONICS, SEA_DTYPE, set_phases
 
@@ -123,6 +126,19 @@ def test_the_disturbance_is_the_sum_of_its_harmonics(time):
     angles = k * 0.02 * time + 2.0 * np.pi * phases.reshape(2, -1)
     Y, N = (amplitude * np.cos(angles)).sum(axis=1) * [3.0, 70.0]
     assert disturbance_forces(time, record[0]) == pytest.approx((Y, N), rel=1e-9)
+
+
+def test_the_disturbance_of_a_step_is_that_of_its_middle():
+    """A step of 2 s from 10 s on: taken at 11 s; sway force and yaw moment, no surge force."""
+    record = np.zeros(1, SEA_DTYPE)
+    record["disturbed"], record["omega_1"] = 1, 0.3
+    record["Y_cos"][0, 0], record["N_sin"][0, 0] = 5.0, 7.0
+    body, waves = (0.0,) * 6, WaveState(1.0, 2.0, 3.0, *(0.0,) * 6)
+    around = Around(np.zeros((6, 0)), np.zeros(1, int), np.zeros((0, 0, 0, 9)), TABLE)
+    wave, wind, found = held_loads(10.0, 2.0, body, record[0], waves, around)
+    assert wave == wind == (0.0, 0.0, 0.0)  # neither waves nor wind are on
+    expected = (0.0, 5.0 * math.cos(3.3), 7.0 * math.sin(3.3))
+    assert found == pytest.approx(expected, rel=1e-12)
 
 
 def test_phases_of_current_and_gusts_follow_those_of_the_disturbance():

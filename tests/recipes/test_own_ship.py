@@ -52,7 +52,7 @@ def test_another_hull_needs_its_own_wave_table(recipe, sail):
     changed(Path("mine/ship.toml"), ("B = { value = 1.27", "B = { value = 1.40"))
     words = (
         r"waves.npz was made for kvlcc2_model with B / L = 0.1814; mine has 0.2000; compute it: "
-        r"python scripts/build_wave_table.py --ship SHIP_FILE, or sail without waves"
+        r"ship-gym build-wave-table --ship SHIP_FILE, or sail without waves"
     )
     with pytest.raises(ConfigError, match=words):
         sail(gym.make(HEADING, ship="mine/ship.toml"))
@@ -143,7 +143,7 @@ def test_a_copy_is_not_taken_for_the_ship_of_the_package(mine, place):
 
 def test_the_pid_says_how_to_get_gains_and_takes_them_from_a_file(mine):
     calm = {"scenario": "heading_slow_disturbance", "seeds": [2_000_000], "ship": "mine/ship.toml"}
-    words = r"no PID gains for ship 'mine' .*tune.py --ship NAME_OR_FILE --out mine.toml, then"
+    words = r"no PID gains for ship 'mine' .*ship-gym tune --ship NAME_OR_FILE --out mine.toml"
     with pytest.raises(ConfigError, match=words):
         rollout(PID(), **calm)
     shutil.copy(gains_path("kvlcc2_model"), "mine.toml")
