@@ -185,7 +185,7 @@ def test_bad_actions_name_the_row():
 
 # one with one screw and one with two; the others are slow tests
 _SHIPS = [
-    name if name in ("kcs", "onrt") else pytest.param(name, marks=pytest.mark.slow)
+    name if name == "kcs" else pytest.param(name, marks=pytest.mark.slow)
     for name in ship_gym.available_ships()
 ]
 

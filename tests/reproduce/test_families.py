@@ -54,6 +54,7 @@ def test_rudder_side_force_has_no_kink_over_angle_and_drift(surrogate):
         assert bend(561, beta) < 0.6 * bend(281, beta)
 
 
+@pytest.mark.slow
 def test_port_turn_is_tighter_as_hiroshima_measured():
     """Stern et al. (2021): port turns of KCS are tighter and slower, in every family."""
     for surrogate in families.FAMILIES.values():

@@ -96,6 +96,7 @@ def test_port_and_starboard_waves_are_mirror_images():
     np.testing.assert_allclose(port[0].odd, -starboard.odd, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_lid_removes_the_irregular_frequency():
     # box: the inner wave sin(pi x / 2) ... with nu = pi / sqrt(2), K = nu coth(nu T)
     nu = np.pi / np.sqrt(2.0)

@@ -92,6 +92,7 @@ def test_the_side_force_of_onrt_is_not_the_printed_one(side, noise, gap):
     assert onrt_gap(side, "K_S", noise) == pytest.approx(gap, abs=0.05)
 
 
+@pytest.mark.slow
 def test_without_noise_the_likelihood_has_a_higher_and_wavy_top():
     """What restarts find: the docstring of the class says so, and why they are off."""
     local = GaussianProcess(INTERPOLATING)
