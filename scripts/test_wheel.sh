@@ -34,23 +34,25 @@ while [ $# -gt 0 ]; do
     shift
 done
 
-# Wheel and sdist hold the files of both packages that git tracks, and nothing else.
+# The wheel holds the files of both packages that git tracks, the sdist also what tests them.
 check_contents() {
     "$PY" - "$ROOT" "$1"/*.whl "$1"/*.tar.gz <<'CHECK'
 import subprocess, sys, tarfile, zipfile
 root, wheel, sdist = sys.argv[1:]
 command = ["git", "-C", root, "ls-files", "--cached", "--others", "--exclude-standard"]
-tracked = subprocess.run(
-    [*command, "ship_gym", "agents"], capture_output=True, text=True, check=True
-).stdout.split()
+
+def tracked(*folders):
+    done = subprocess.run([*command, *folders], capture_output=True, text=True, check=True)
+    return done.stdout.split()
+
 with zipfile.ZipFile(wheel) as file:
     inside = {name for name in file.namelist() if ".dist-info/" not in name}
 with tarfile.open(sdist) as file:
     names = (m.name.partition("/")[2] for m in file.getmembers() if m.isfile())
     source = {name for name in names if "/" in name}
 for what, found, wanted in (
-    ("wheel", inside, {name.removeprefix("agents/") for name in tracked}),
-    ("sdist", source, set(tracked)),
+    ("wheel", inside, {name.removeprefix("agents/") for name in tracked("ship_gym", "agents")}),
+    ("sdist", source, set(tracked("ship_gym", "agents", "docs", "scripts", "tests"))),
 ):
     if odd := sorted(found ^ wanted):
         sys.exit(f"{what}: only there or only in the checkout: {', '.join(odd)}")
