@@ -20,6 +20,7 @@ from _cli import parser, run, show
 from _mutants import AREAS, KINDS, Mutant, draw
 
 from ship_gym.config import ConfigError
+from ship_gym.text import table as aligned
 
 HELP = """\
 Change one small thing in a copy of the packages (a sign, a constant, an index or comparison by
@@ -298,7 +299,8 @@ def counts(results: list[dict]) -> list[str]:
 
 
 def table(results: list[dict]) -> str:
-    lines = [f"{row[0]:18}" + "".join(f"{cell:>12}" for cell in row[1:]) for row in rows(results)]
+    head, *body = rows(results)
+    lines = [aligned(head, body)]
     for state in STATES[1:]:
         part = [one for one in results if one["state"] == state]
         lines += [f"\n{state}:"] * bool(part)
@@ -322,9 +324,7 @@ def page(results: list[dict], args) -> str:
         "",
         f"**{score(results):.0%}** killed.",
         "",
-        "| " + " | ".join(head) + " |",
-        "|---" + "|--:" * len(STATES) + "|--:|",
-        *("| " + " | ".join(row) + " |" for row in body),
+        aligned(head, body, markdown=True),
     ]
     titles = {"survived": "Survivors", "timeout": "Timeouts", "equivalent": "Equivalent"}
     for state, title in titles.items():

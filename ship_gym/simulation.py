@@ -327,7 +327,7 @@ def self_propulsion(ship: Named | Ship, speed: float) -> float:
 
     def surge(n: float) -> float:
         own, _ = ship_forces((speed, 0.0, 0.0), (0.0, n), record, tables)
-        return total(own)[0]
+        return total(own).X
 
     if surge(ship.engine.n_max) < 0.0:
         raise ConfigError(

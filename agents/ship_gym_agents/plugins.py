@@ -10,10 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError, check_known
-from ship_gym.evaluation.controller import Controller
+from ship_gym.evaluation.controller import Controller, check_controller
 from ship_gym.own_files import load_file, split, told
-
-_MEMBERS = ("name", "reset", "act")
 
 
 def is_own(text: str) -> bool:
@@ -57,9 +55,7 @@ def own_controller(text: str) -> Controller:
             raise ConfigError(
                 f"{text}: cannot be made: {told(split(text)[0].resolve(), error)}"
             ) from error
-    missing = [key for key in _MEMBERS if not hasattr(made, key)]
-    if missing:
-        raise ConfigError(f"{text}: is no controller: it has no {' and no '.join(missing)}")
+    check_controller(made, f"{text}:")
     return made
 
 

@@ -20,6 +20,7 @@ from ship_gym.evaluation.metrics import metrics
 from ship_gym.evaluation.rollout import Rollout, begin, rollout, tuning_seeds
 from ship_gym.provenance import atomic_path, versions
 from ship_gym.ships import load_ship
+from ship_gym.tasks import TASKS
 from ship_gym.tasks.measures import control_cost
 from ship_gym_agents.pid import PID, Gains, GainsFile, load_gains, place_for_gains
 from ship_gym_agents.wave_filter import LinearShip, LowPass, Observer, identify
@@ -90,6 +91,22 @@ class Tuned:
     def __str__(self) -> str:
         reversals = self.validation["rudder_reversals"]
         return f"  J {self.J_validation:8.3f} deg2, {reversals:5.0f} reversals/h  {self.structure}"
+
+
+def check_tunable(task: str) -> None:
+    """Refuse a task that is not judged by J, which gains are tuned for.
+
+    Raises
+    ------
+    ConfigError
+        Its metrics have no J.
+    """
+    if f"J_{LAMBDA:g}" not in TASKS[task].metrics:
+        able = [name for name, one in TASKS.items() if f"J_{LAMBDA:g}" in one.metrics]
+        raise ConfigError(
+            f"task {task!r}: gains are tuned for J = mean(psi_e^2) + {LAMBDA:g} mean(delta^2), "
+            f"which it does not have; allowed are {', '.join(able)}"
+        )
 
 
 def episode_costs(sailed: Rollout, lam: float = LAMBDA) -> np.ndarray:
@@ -263,7 +280,8 @@ def tune(
     """
     check_number("episodes", episodes, 2, 10_000)
     check_number("generations", generations, 1, 10_000)
-    begin(tuning_seeds(1), ship=ship, **env)  # scipy would wrap the error of a wrong name
+    # scipy would wrap the error of a wrong name
+    check_tunable(begin(tuning_seeds(1), ship=ship, **env).scenario.task)
     linear = identify(load_ship(ship))
     names, done, best = list(structures), [], {}
     for name in progress(names) if progress else names:

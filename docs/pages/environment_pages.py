@@ -31,7 +31,7 @@ _NOTE = "<!-- Written by scripts/build_docs.py from the code: change that, then 
 
 def env_ids() -> list[str]:
     """Ids of the package's own tasks, each of which has a page."""
-    return [env_id for env_id, task in ENVIRONMENTS.items() if task not in TASKS.outside()]
+    return [env_id for env_id, task in ENVIRONMENTS.items() if task in TASKS.own()]
 
 
 def task_of(env_id: str) -> Task:
@@ -170,7 +170,7 @@ def _failure(env: ShipEnv) -> str:
 
 def _limits(env: ShipEnv) -> str:
     """What terminates an episode: its aim reached, where it has one, and failure."""
-    return "; ".join(filter(None, (TASKS[env.scenario.task].succeeds(env.scenario), _failure(env))))
+    return "; ".join(TASKS[env.scenario.task].ends(env.scenario))
 
 
 def _own_info(task: Task) -> list[str]:

@@ -11,10 +11,10 @@ from itertools import takewhile
 from pathlib import Path
 
 from pages.docstrings import Field, fields, intro, table
-from ship_gym.config import merged, read_toml
+from ship_gym.config import merged
 from ship_gym.envs.env import ShipEnv
 from ship_gym.scenarios import Scenario, available_scenarios, load_scenario, scenario, sea_range
-from ship_gym.scenarios.scenario import scenario_class
+from ship_gym.scenarios.scenario import scenario_class, stated
 from ship_gym.sea.spectra import WaveSystem
 from ship_gym.sea.state import Sea
 from ship_gym.tasks import TASKS
@@ -74,15 +74,10 @@ def keys_of(cls: type, prefix: str = "") -> list[Key]:
     return [_key(prefix, name, _explained(name, cls)) for name in names]
 
 
-def tasks() -> list[str]:
-    """Names of the package's own tasks."""
-    return [name for name in TASKS if name not in TASKS.outside()]
-
-
 def section_classes() -> dict[str, list[type]]:
     """Name to classes of the sections of the scenarios; tasks may have a class of their own."""
     found: dict[str, list[type]] = {}
-    for task in tasks():
+    for task in TASKS.own():
         for name, cls in typing.get_type_hints(scenario_class(TASKS[task])).items():
             if dataclasses.is_dataclass(cls) and cls not in found.setdefault(name, []):
                 found[name].append(cls)
@@ -139,7 +134,7 @@ def page() -> str:
     outside = TASKS.outside()
     names = [name for name in available_scenarios() if name not in outside]
     files = [[f"`{name}`", _base(name), _comment(name)] for name in names]
-    defaults = {task.partition("_")[0]: load_scenario(task) for task in tasks()}
+    defaults = {task.partition("_")[0]: load_scenario(task) for task in TASKS.own()}
     parts = [
         "# Scenarios",
         _INTRO,
@@ -200,7 +195,7 @@ def _key(prefix: str, name: str, field: Field) -> Key:
 
 def _values(name: str) -> dict[str, typing.Any]:
     """Values of a scenario of the package on top of those of its bases, as the files state them."""
-    values = read_toml(FOLDER / f"{name}.toml")
+    values = stated(name)
     base = values.pop("base", None)
     return values if base is None else merged(_values(base), values)
 
@@ -215,7 +210,7 @@ def _dotted(values: Mapping[str, typing.Any], prefix: str = "") -> list[str]:
 
 
 def _base(name: str) -> str:
-    base = read_toml(FOLDER / f"{name}.toml").get("base")
+    base = stated(name).get("base")
     return "" if base is None else f"`{base}`"
 
 

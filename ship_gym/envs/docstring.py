@@ -117,8 +117,7 @@ def _rewards(task: Task, scenario: Scenario) -> str:
 
 
 def _ends(task: Task, scenario: Scenario) -> str:
-    ends = [text for text in (task.succeeds(scenario), task.fails(scenario)) if text]
-    lines = [f"- Termination: {text}." for text in ends]
+    lines = [f"- Termination: {text}." for text in task.ends(scenario)]
     return "\n".join([*lines, f"- Truncation: {scenario.duration:g} s (full scale), inside."])
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError, check_known, check_number
 from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.envs.start_options import start_options
 from ship_gym.envs.view import RENDER_MODES, Screen
 from ship_gym.scenarios.scenario import Scenario, load_scenario
@@ -128,6 +129,8 @@ def _steps_of_make() -> int | None:
     frame = sys._getframe(1)
     while frame is not None:
         if frame.f_code is getattr(gym.make, "__code__", None):
+            if getattr(frame.f_locals.get("env_spec"), "id", None) not in ENVIRONMENTS:
+                return None  # of somebody else, who makes us inside
             steps = frame.f_locals.get("max_episode_steps")
             return None if steps == -1 else steps
         frame = frame.f_back

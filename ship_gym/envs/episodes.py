@@ -29,7 +29,7 @@ from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import numbered
-from ship_gym.simulation import ShipSim, self_propulsion
+from ship_gym.simulation import ShipSim
 from ship_gym.tasks import TASKS, bridge, observations_of, privileged
 from ship_gym.tasks.columns import ACTIONS
 from ship_gym.tasks.rewards import COSTS
@@ -160,10 +160,9 @@ class EpisodeBatch:
 
     def _fill_tasks(self) -> None:
         scenario, tasks, unit = self.scenario, self.tasks, self._unit
-        orders = np.array([self_propulsion(one, one.speed) for one in self.fleet])
         tasks["speed"] = [one.speed for one in self.ships]
         tasks["L"] = [one.hull.L for one in self.ships]
-        tasks["n_order"] = orders[numbered(self.ships)[1]]
+        tasks["n_order"] = self.sim.self_propulsion(tasks["speed"])
         tasks["interval"], tasks["steps"] = scenario.control_interval, scenario.steps
         tasks["dt"] = self.dt
         tasks["rudder_stroke"] = [one.gear.rate for one in self.ships] * self.dt

@@ -6,6 +6,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from ship_gym.config import ConfigError
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import self_propulsion
@@ -33,6 +34,13 @@ class Controller(Protocol):
         What the columns are is known by name: ``tasks.columns.observation_columns(scenario)`` in
         `reset`, then ``columns.view(observations).yaw_rate``; ``action_columns`` for the actions.
         """
+
+
+def check_controller(thing: object, what: str) -> None:
+    """Refuse what is no controller; `what` it is called, for the message."""
+    missing = [key for key in ("name", "reset", "act") if not hasattr(thing, key)]
+    if missing:
+        raise ConfigError(f"{what} is no controller: it has no {' and no '.join(missing)}")
 
 
 class ConstantController:

@@ -14,7 +14,7 @@ from ship_gym.config import ConfigError, check_number
 from ship_gym.conventions import polar
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.envs.episodes import EpisodeBatch
-from ship_gym.evaluation.controller import Controller
+from ship_gym.evaluation.controller import Controller, check_controller
 from ship_gym.provenance import provenance
 from ship_gym.recording.about import ship_meta
 from ship_gym.recording.trajectory import Trajectory
@@ -72,7 +72,7 @@ class Rollout:
         truncated. One that terminates in its last interval counts as terminated only.
     histories : dict
         ``time`` [s] (T+1, n), ``states`` (T+1, n, 8), ``commands`` (T+1, n, 2), ``forces``
-        (T+1, n, 6, 3), ``flow`` (T+1, n, 7), ``waves`` (T+1, n, 9), what the task keeps (its
+        (T+1, n, N_FORCES, 3), ``flow`` (T+1, n, 7), ``waves`` (T+1, n, 9), what the task keeps (its
         ``history``, such as ``psi_ordered``, T+1, n), ``terms`` (T, n, terms), ``rewards`` (T, n).
     plans : numpy.ndarray
         Orders or way-points of each episode, as ``EpisodeBatch.plans``.
@@ -238,11 +238,7 @@ def rollout(
     """
     env = {"ship": ship, "control": control, "surrogate": surrogate}
     env |= {"privileged": privileged, "overrides": overrides}
-    if not isinstance(controller, Controller):
-        missing = [k for k in ("name", "reset", "act") if not hasattr(controller, k)]
-        raise ConfigError(
-            f"{type(controller).__name__} is no controller: it has no {' and no '.join(missing)}"
-        )
+    check_controller(controller, type(controller).__name__)
     batch = begin(seeds, scenario, parallel=parallel, **env)
     controller.reset(batch.n, batch.ship, batch.scenario)
     log = _Log(batch)

@@ -79,7 +79,7 @@ def kept_in(parent: Path, key: str) -> Path | None:
 
 
 def _close_to_others(folder: Path) -> None:
-    """Take the right to write from others: earlier versions left it to the umask.
+    """Take the right to write from others, whatever the umask was.
 
     What lies in the folder is judged by itself.
     """

@@ -94,7 +94,7 @@ def forces(motion, controls, ship, tables):
     # |u|: astern the drift of wake and rudder is counted from the stern, so that nothing jumps
     # where the ship backs straight; the same as atan2(-v, u) ahead
     U, beta = math.sqrt(u * u + v * v), math.atan2(-v, abs(u))
-    X, Y, N = hull_forces(u, v, r, ship.hull, ship.rho)
+    H = hull_forces(u, v, r, ship.hull, ship.rho)
     P, R, loading = unit_forces(Motion(u, v, r), Controls(delta, n), Inflow(U, beta), ship, tables)
     beta_P, beta_R, T, Q, F_N = loading
     if ship.propeller.y_P > 0.0:
@@ -105,7 +105,7 @@ def forces(motion, controls, ship, tables):
         T, Q, F_N = T + port.thrust, Q + port.torque, F_N - port.F_N
     J = advance_ratio(u, n, ship.propeller.D)
     outside = extrapolation(J, beta_P, beta_R, delta, ship.surrogate)
-    return OwnForces(Force(X, Y, N), P, R), Flow(J, beta_P, beta_R, T, Q, F_N, outside)
+    return OwnForces(H, P, R), Flow(J, beta_P, beta_R, T, Q, F_N, outside)
 
 
 @kernel

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from ship_gym.physics._kernel import kernel
+from ship_gym.physics.quantities import Force
 
 # The cubic is fitted to drift angles and yaw rates of ordinary manoeuvres. It is used as published
 # up to the first limit, left behind at the second, and blended between (our choice, not validated).
@@ -88,14 +89,14 @@ def hull_forces(u, v, r, hull, rho):
 
     Returns
     -------
-    X, Y, N : float
-        Surge, sway force [N] and yaw moment [N m] at midship.
+    Force
     """
     share = polynomial_share(u, v, r, hull.L)
     if share >= 1.0:
-        return polynomial_forces(u, v, r, hull, rho)
+        X, Y, N = polynomial_forces(u, v, r, hull, rho)
+        return Force(X, Y, N)
     X, Y, N = crossflow_forces(u, v, r, hull, rho)
     if share <= 0.0:
-        return X, Y, N
+        return Force(X, Y, N)
     X_p, Y_p, N_p = polynomial_forces(u, v, r, hull, rho)
-    return X + share * (X_p - X), Y + share * (Y_p - Y), N + share * (N_p - N)
+    return Force(X + share * (X_p - X), Y + share * (Y_p - Y), N + share * (N_p - N))

@@ -65,8 +65,7 @@ def held_loads(time, dt, body, sea, met, around):
     if sea.wavy == 1:
         wave = Force(met.X, met.Y, met.N)
     if sea.windy == 1:
-        X, Y, N = wind_forces(time, body, sea, around.wind)
-        wind = Force(X, Y, N)
+        wind = wind_forces(time, body, sea, around.wind)
     if sea.disturbed == 1:
         Y, N = disturbance_forces(time + 0.5 * dt, sea)
         disturbance = Force(0.0, Y, N)

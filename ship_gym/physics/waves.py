@@ -25,12 +25,14 @@ from ship_gym.physics.interpolate import cell
 # phase [turns] and direction it goes to [rad]. ``sea.wave_response`` has the number of rows and the
 # channels of the response.
 AMPLITUDE, OMEGA, K_NORTH, K_EAST, PHASE, DIRECTION = range(6)
-# What `wave_loads` returns: drift X, Y [N], N [N m], wave-frequency sway [m], its velocity [m/s],
-# roll, yaw [rad], yaw rate [rad/s], and how far outside the response table the ship is
 
 
 class WaveState(NamedTuple):
-    """What waves do to a ship at one instant."""
+    """What waves do to a ship at one instant.
+
+    Drift X, Y [N], N [N m]; wave-frequency sway [m], its velocity [m/s], roll, yaw [rad] and yaw
+    rate [rad/s]; and how far the ship is faster than its table goes, 0 inside.
+    """
 
     X: float
     Y: float

@@ -8,6 +8,7 @@ from ship_gym.conventions import RHO_AIR
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import cos_sin_of_turns
 from ship_gym.physics.interpolate import cell, linear
+from ship_gym.physics.quantities import Force
 
 _TURN = 2.0 * math.pi
 
@@ -50,4 +51,4 @@ def wind_forces(time, body, sea, table):
     i, w = cell(gamma, 0.0, _TURN / (count - 1), count)
     q = 0.5 * RHO_AIR * (du * du + dv * dv)
     X, Y = q * sea.A_F * linear(table, i, w, 0), q * sea.A_L * linear(table, i, w, 1)
-    return X, Y, q * sea.A_L * sea.L_oa * linear(table, i, w, 2)
+    return Force(X, Y, q * sea.A_L * sea.L_oa * linear(table, i, w, 2))

@@ -124,7 +124,7 @@ def side_force(ship: Ship, delta: np.ndarray, beta: float) -> np.ndarray:
     tables, record = Tables(made.open_water[0], made.deflected[0]), made.records[0]
     n = self_propulsion(ship, ship.speed)
     motion = (ship.speed * math.cos(beta), -ship.speed * math.sin(beta), 0.0)
-    sway = [forces(motion, (float(d), n), record, tables)[0].rudder[1] for d in delta]
+    sway = [forces(motion, (float(d), n), record, tables)[0].rudder.Y for d in delta]
     return np.array(sway) / (1.0 + ship.rudder.a_H)
 
 

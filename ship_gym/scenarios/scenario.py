@@ -187,12 +187,16 @@ def _without_other_task(values: Mapping[str, Any], changes: Mapping[str, Any]) -
 
 def _beside(path: Path, values: dict[str, Any]) -> dict[str, Any]:
     """Values with the files that they name as paths from the folder of the scenario file."""
-    values, track = dict(values), values.get("track")
+    values = dict(values)
     for key in ("base", "ship"):
         if str(values.get(key, "")).endswith(".toml"):
             values[key] = str(path.parent / values[key])
-    if isinstance(track, Mapping) and isinstance(track.get("file"), str) and track["file"]:
-        values["track"] = {**track, "file": str(path.parent / track["file"])}
+    for task in TASKS.values():
+        for name, section in task.sections.items():
+            given = values.get(name)
+            for key in getattr(section, "PATHS", ()) if isinstance(given, Mapping) else ():
+                if isinstance(given.get(key), str) and given[key]:
+                    values[name] = {**values[name], key: str(path.parent / given[key])}
     return values
 
 

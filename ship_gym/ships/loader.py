@@ -39,6 +39,7 @@ from ship_gym.ships.particulars import (
     check_sections,
 )
 from ship_gym.ships.reader import Reader
+from ship_gym.ships.records import numbered
 from ship_gym.ships.scaling import scaled
 from ship_gym.tables import Table
 
@@ -142,10 +143,10 @@ def load_ships(ships: Named | Ship | Sequence[Named | Ship], count: int) -> list
     """`count` ships of one given ship, or of a sequence; each different one is loaded once."""
     if isinstance(ships, str | os.PathLike | Ship):
         return [load_ship(ships)] * count
-    given = list(ships)
-    different = {ship if isinstance(ship, str | os.PathLike) else id(ship): ship for ship in given}
-    made = {key: load_ship(ship) for key, ship in different.items()}
-    return [made[ship if isinstance(ship, str | os.PathLike) else id(ship)] for ship in given]
+    given = [ship if isinstance(ship, Ship) else _text(ship) for ship in ships]
+    different, numbers = numbered(given)
+    made = [load_ship(ship) for ship in different]
+    return [made[k] for k in numbers]
 
 
 @lru_cache(maxsize=32)
@@ -153,6 +154,7 @@ def _load(name: str, surrogate: str | None, variant: str | None) -> Ship:
     path = _file(name)
     data = read_toml(path)
     if base := _base(data, path):
+        _check_chain(path)
         ship = _scaled_ship(load_ship(base, surrogate=surrogate, variant=variant), data, path)
     else:
         if variant is not None:
@@ -199,9 +201,19 @@ def _base(data: Mapping[str, Any], path: Path) -> str | None:
         raise ConfigError(f"{path}: scaled_from = {base!r}: must be a name or a ship file")
     if not base.endswith(".toml"):
         return base
-    if (path.parent / base).resolve() == path.resolve():
-        raise ConfigError(f"{path}: scaled_from = {base!r}: that is this file")
     return str(path.parent / base)
+
+
+def _check_chain(path: Path) -> None:
+    """Refuse files that scale each other in a circle."""
+    seen: list[Path] = []
+    while path is not None:
+        if path.resolve() in seen:
+            circle = " -> ".join(str(one) for one in (*seen, path.resolve()))
+            raise ConfigError(f"{seen[0]}: scaled_from goes in a circle: {circle}")
+        seen.append(path.resolve())
+        base = _base(read_toml(path), path)
+        path = None if base is None else _file(base)
 
 
 def _ship(data: Mapping[str, Any], path: Path) -> Ship:

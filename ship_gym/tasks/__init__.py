@@ -45,6 +45,10 @@ class _Tasks(Mapping):
     def __len__(self) -> int:
         return len(self._known)
 
+    def own(self) -> list[str]:
+        """Names of the package's own tasks."""
+        return [name for name in self._known if name not in self.outside()]
+
     def outside(self) -> dict[str, Task]:
         """Tasks from outside the package by name."""
         return {k: t for k, t in self._known.items() if isinstance(t, Task) and t.scenario}

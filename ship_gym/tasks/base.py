@@ -195,7 +195,8 @@ class Task:
         One line.
     sections : mapping
         Sections of the scenario that are the task's own, name to frozen dataclass; ``start`` and
-        ``limits`` may be among them, else there is `Start` and `NoLimits`.
+        ``limits`` may be among them, else there is `Start` and `NoLimits`. Keys in its ``PATHS``
+        are paths, which count from the folder of a scenario file.
     terms : tuple of Term
         Terms of the reward that are the task's own, before those of the costs.
     observations : tuple of Row
@@ -311,6 +312,10 @@ class Task:
         from ship_gym.tasks import TASKS
 
         return TASKS.__getitem__, (self.name,)
+
+    def ends(self, scenario: Any) -> list[str]:
+        """What terminates an episode, in words: its aim where it has one, and failure."""
+        return [text for text in (self.succeeds(scenario), self.fails(scenario)) if text]
 
     @property
     def class_name(self) -> str:

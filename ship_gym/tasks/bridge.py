@@ -1,4 +1,4 @@
-"""What every task has in common: commands, the nine measurements of a bridge, how an interval ends.
+"""What every task has in common: commands, the measurements of a bridge, how an interval ends.
 
 Scalar kernels and the loops over them; the scalar environment is a batch of one. The loops are
 serial: they take a fraction of the physics, and each start of threads is a place to wait where
@@ -18,7 +18,7 @@ from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
 from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.propeller import shaft_power
-from ship_gym.tasks.base import DIVERGED, Row, check_names
+from ship_gym.tasks.base import DIVERGED, RUNNING, Row, check_names
 from ship_gym.tasks.rewards import COSTS
 from ship_gym.tasks.sensors import measured
 
@@ -148,7 +148,7 @@ def command_batch(actions, states, ships, tasks, commands, before):
 
 @kernel
 def observe_bridge(state, waves, command, ship, sea, task, interval, row):
-    """Write the nine measurements of one ship into `row`, limited to their declared bounds.
+    """Write the measurements of one ship into `row`, limited to their declared bounds.
 
     Returns what `measured` saw.
     """
@@ -199,7 +199,7 @@ def settle(result, terms, error, own, paid, outcome, task):
     paid : Costs
         The cost terms.
     outcome : int
-        0 while the episode goes on.
+        `RUNNING` while the episode goes on.
     task : record
         Of the episode.
     """
@@ -212,7 +212,7 @@ def settle(result, terms, error, own, paid, outcome, task):
         total += paid[k]
     result.reward = total
     result.error = error
-    result.terminated = outcome != 0
+    result.terminated = outcome != RUNNING
     result.outcome = outcome
     result.elapsed += 1
     result.truncated = result.elapsed >= task.steps

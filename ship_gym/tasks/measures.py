@@ -36,7 +36,9 @@ COMMON: dict[str, Metric] = {
         "without corrections for friction and density",
         "lower",
     ),
-    "success": Metric("-", "1 if no limit ended the episode; on a track: if it arrived", "higher"),
+    "success": Metric(
+        "-", "1 if no limit ended the episode; of a task with an aim: if it was reached", "higher"
+    ),
     "return": Metric("-", "sum of the rewards", "higher"),
 }
 

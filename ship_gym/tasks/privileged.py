@@ -77,4 +77,6 @@ def observe_batch(states, forces, ships, seas, tasks, first, observations):
         for k in range(forces.shape[1]):
             for axis in range(3):
                 share = forces[i, k, axis] / (unit * task.L if axis == 2 else unit)
-                observations[i, first + _SEA + 3 * k + axis] = clipped(share, -5.0, 5.0)
+                observations[i, first + _SEA + 3 * k + axis] = clipped(
+                    share, _LOW[_SEA + 3 * k + axis], _HIGH[_SEA + 3 * k + axis]
+                )

@@ -160,7 +160,7 @@ def test_every_key_is_explained():
 @pytest.mark.parametrize(
     ("name", "unit", "words"),
     [
-        ("start.cross_track", "L", "only for tracks"),
+        ("start.cross_track", "L", "first leg"),
         ("sea.wave_height", "m", "`wave_height`, `wave_height_min`: significant height"),
         ("sea.wave_encounter_deg", "deg", ""),
         ("sea.drift", "", "`mean`"),  # explained by Sea

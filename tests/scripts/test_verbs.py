@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from ship_gym_agents.cli import VERBS, load_verb, main
+from ship_gym_agents.cli.names import NAMES
 
 from ship_gym.ships.loader import DATA
 
@@ -354,6 +355,10 @@ def test_train_then_what_it_says_comes_next(cli):
     assert code == 2 and "leave out: ship" in err
 
 
+def test_every_kind_of_name_has_some():
+    assert all(names() for names in NAMES.values())
+
+
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_completion_prints_a_script(cli, shell):
     code, out, _ = cli("completion", shell)
@@ -370,6 +375,9 @@ def test_completion_prints_a_script(cli, shell):
         ("ship-gym evaluate --controllers il", ["plain,ilos"]),
         ("ship-gym record --controller my", ["file,my"]),
         ("ship-gym simulate --csv r", ["file,r"]),
+        ("ship-gym train --control rudder+", ["plain,rudder+rpm"]),
+        ("ship-gym train --task cou", ["plain,course_changing"]),
+        ("ship-gym train --algorithm sa", ["plain,sac"]),
     ],
 )
 def test_completion_completes(monkeypatch, capsys, words, expected):

@@ -45,7 +45,7 @@ def test_failing_costs_once_and_speed_gain_is_not_paid(task):
 
 
 def test_sizes_of_every_task():
-    for name in TASKS.keys() - TASKS.outside().keys():
+    for name in TASKS.own():
         one = TASKS[name]
         assert len(one.terms) == 1
         assert len(one.observations) == {"track_following": 6}.get(name, 0)

@@ -35,9 +35,9 @@ def controllers() -> list[str]:
 
 def controls() -> list[str]:
     """What a controller can command."""
-    from ship_gym.scenarios.scenario import CONTROLS
+    from ship_gym.tasks.columns import ACTIONS
 
-    return list(CONTROLS)
+    return list(ACTIONS)
 
 
 def seas() -> list[str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+
 import click
 
 from ship_gym_agents.cli.options import environment, out, seed, verb
@@ -42,7 +44,7 @@ def command(as_json, policy, controller, task, seed, out, **options) -> None:
     name = sailed.meta["controller"]
     units = metrics_of(sailed.meta["task"])
     rows = [[key, units[key].unit, f"{value:.5g}"] for key, value in found.items()]
-    following = f"{next_command('review', task=task)} {out}"
+    following = f"{next_command('review', task=task)} {shlex.quote(str(out))}"
     shown = table(["metric", "unit", name], rows, None)
     text = f"seed {seed}, metrics computed from {out}\n{shown}\n\n"
     text += f"wrote {out}\nnext: rerun {out}\n      {following}"
@@ -54,14 +56,11 @@ def _sail(named: str, task: str | None, seed: int, options: dict):
     """The episode as a recording."""
     from ship_gym.evaluation import rollout
     from ship_gym_agents.cli.output import progress
-    from ship_gym_agents.cli.sailing import check_task, own_task, wanted
+    from ship_gym_agents.cli.sailing import own_task, resolved, wanted
     from ship_gym_agents.controllers import make_controller, trained_for
 
     name = own_task(task)
     controller = make_controller(named)
     env = wanted(options, name, trained_for(controller))
-    if name is not None:
-        from ship_gym.evaluation.rollout import begin
-
-        check_task(begin([seed], **env).scenario.task, name, options["scenario"])
+    resolved(env, name)
     return rollout(controller, seeds=[seed], progress=progress, **env).trajectory(0)

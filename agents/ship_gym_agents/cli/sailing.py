@@ -49,6 +49,17 @@ def check_task(sailed: str, task: str | None, scenario: Any) -> None:
         raise ConfigError(f"--task {task}: scenario {scenario} is of task {sailed!r}")
 
 
+def resolved(env: Mapping[str, Any], task: str | None) -> Any:
+    """The scenario of the arguments of a rollout, refused if it is not of the task asked for."""
+    from ship_gym.envs.env import resolved_scenario
+
+    names = ("ship", "control", "surrogate", "privileged", "overrides")
+    given = {key: env.get(key) for key in names}
+    scenario, _ = resolved_scenario(env.get("scenario", "heading_keeping"), **given)
+    check_task(scenario.task, task, env.get("scenario"))
+    return scenario
+
+
 def again(options: Mapping[str, Any], task: str | None) -> dict[str, Any]:
     """The options of what is sailed, as ``output.next_command`` takes them."""
     overrides = [f"{key}={_shown(value)}" for key, value in options["overrides"].items()]

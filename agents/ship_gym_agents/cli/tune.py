@@ -63,14 +63,13 @@ def _ships(ship: str | None, out: Any) -> dict[str, Any]:
 
 def _settings(task: str | None, options: dict) -> tuple[dict[str, Any], dict[str, Any]]:
     """Arguments of a rollout but the ship, and what the file of gains tells of the tuning."""
-    from ship_gym.evaluation.rollout import begin, tuning_seeds
-    from ship_gym_agents.cli.sailing import check_task, own_task, wanted
-    from ship_gym_agents.tune import settings
+    from ship_gym_agents.cli.sailing import own_task, resolved, wanted
+    from ship_gym_agents.tune import check_tunable, settings
 
     name = own_task(task)
     sailed = {key: options[key] for key in ("scenario", "control", "overrides")}
     env = {"scenario": "heading_keeping", **wanted(sailed, name)}
-    check_task(begin(tuning_seeds(1), **env).scenario.task, name, options["scenario"])
+    check_tunable(resolved(env, name).task)
     size = {key: options[key] for key in ("episodes", "generations", "seed")}
     more = {key: env[key] for key in ("control", "overrides") if key in env}
     return env, settings(**size, scenario=env["scenario"], **more)

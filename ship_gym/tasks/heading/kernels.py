@@ -32,7 +32,7 @@ def give_order(task, plan, k):
 
 @kernel
 def judge_batch(states, before, seas, tasks, plans, terms, results):
-    """Terms (n, 5) and results (n,) of the interval just sailed, the error [rad] among them.
+    """Terms (n, terms) and results (n,) of the interval just sailed, the error [rad] among them.
 
     It is judged by the order that held during it; then the next one is given, if it is its time.
     """

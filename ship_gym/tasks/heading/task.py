@@ -32,21 +32,6 @@ class Limits:
         check_fields("limits", self, {"heading_error_deg": (1.0, 180.0, "deg")})
 
 
-class Orders:
-    """A plan of one ordered heading, from the start on."""
-
-    shape, n_draws = (1, 2), 0
-
-    def __init__(self, scenario, ships):
-        del scenario, ships
-
-    def make(self, which, uniform, order, plans, tasks):
-        """See ``tasks.base.Plan``."""
-        tasks["count"][which] = self.shape[0]
-        plans[which, 0, kernels.FROM], plans[which, 0, kernels.ORDER] = 0.0, order
-        return np.zeros(len(which)), np.zeros(len(which))
-
-
 def fill(scenario, tasks) -> None:
     """Write the limit of the heading error."""
     tasks["heading_limit"] = math.radians(scenario.limits.heading_error_deg)
@@ -89,9 +74,7 @@ TASK = Task(
     terms=(Term("heading", "psi_e^2 [rad^2]", "Of psi_e^2 [1/rad^2]."),),
     outcomes=(Outcome("heading limit", failed=True),),
     fields=kernels.FIELDS,
-    plan=Orders,
     fill=fill,
-    begin=kernels.begin_batch,
     observe=observe_batch,
     judge=kernels.judge_batch,
     error=kernels.error_batch,

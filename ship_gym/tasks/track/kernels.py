@@ -150,7 +150,7 @@ def error_batch(which, states, tasks, errors):
 
 @kernel
 def judge_batch(states, before, seas, tasks, plans, terms, results):
-    """Terms (n, 5) and results (n,) of the interval just sailed, the error [m] among them.
+    """Terms (n, terms) and results (n,) of the interval just sailed, the error [m] among them.
 
     It is judged by the leg that was active during it; then the next leg begins where the ship has
     reached the circle of acceptance or passed the way-point, and the error in the results is that

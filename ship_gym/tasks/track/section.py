@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import ClassVar
 
 from ship_gym.config import ConfigError, check_fields, check_known
 from ship_gym.tasks import base
@@ -37,6 +38,8 @@ class TrackRange:
     file : str
         Or a GeoJSON file with them.
     """
+
+    PATHS: ClassVar = ("file",)  # keys that a scenario file gives from its own folder
 
     kind: str = "random"
     legs: int = 5
@@ -80,7 +83,7 @@ class Start(base.Start):
     heading_error_deg : float
         Uniform within plus and minus this, of the ordered heading or the first leg.
     cross_track : float
-        Distance from the first leg, uniform within plus and minus this [L]; only for tracks.
+        Distance from the first leg, uniform within plus and minus this [L].
     """
 
     cross_track: float = 0.0
@@ -97,7 +100,7 @@ class Limits:
     Attributes
     ----------
     cross_track : float
-        Distance from the active leg [L]; only on a track.
+        Distance from the active leg [L].
     """
 
     cross_track: float = 5.0
