@@ -54,6 +54,8 @@ def __getattr__(name: str) -> Any:
         value = getattr(importlib.import_module(_PUBLIC[name]), name)
         globals()[name] = value
         return value
+    if name in {class_name(task) for task in TASKS}:  # of one's own
+        return getattr(importlib.import_module("ship_gym.envs.classes"), name)
     path = f"{__name__}.{name}"
     if name.startswith("_") or not name.isidentifier() or importlib.util.find_spec(path) is None:
         raise AttributeError(f"module 'ship_gym' has no attribute {name!r}")

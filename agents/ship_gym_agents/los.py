@@ -47,7 +47,8 @@ class LOSPID(PID):
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
         """`count` episodes of `scenario` with `ship` begin together."""
         super().reset(count, ship, scenario)
-        self._inside = _INSIDE * scenario.track.acceptance
+        track = getattr(scenario, "track", None)  # a task of one's own may have none
+        self._inside = math.inf if track is None else _INSIDE * track.acceptance
 
     def _gains_for(self, ship: Ship) -> Gains:
         gains = super()._gains_for(ship)

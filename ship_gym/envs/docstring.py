@@ -45,7 +45,8 @@ _ARGUMENTS = """\
 - `render_mode`: `"rgb_array"` (plan view with instruments) or `"human"` (live in rerun).
 
 `reset(options=...)` sets what an episode starts with instead of drawing it: `heading_error_deg`,
-`speed` [m/s], `position` (north, east [m]), `sea_seed` (the sea of the episode of that seed)."""
+`speed` [m/s], `position` (north, east [m]), `sea_seed` (the sea of the episode of that seed;
+encounter angles that the scenario gives count from this episode's order)."""
 
 
 def docstring(task: Task) -> str:

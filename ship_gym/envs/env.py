@@ -13,7 +13,6 @@ import numpy as np
 
 from ship_gym.config import ConfigError, check_known, check_number
 from ship_gym.envs.episodes import EpisodeBatch
-from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.envs.start_options import start_options
 from ship_gym.envs.view import RENDER_MODES, Screen
 from ship_gym.scenarios.scenario import Scenario, load_scenario
@@ -101,14 +100,14 @@ def observation_space(scenario: Scenario) -> gym.spaces.Box:
 
 
 def with_steps(scenario: Scenario, steps: int | None, overrides: Mapping | None) -> Scenario:
-    """Scenario that is truncated after a number of control intervals; None: as it is.
+    """Scenario that is truncated after a number of control intervals; None or -1: as it is.
 
     Raises
     ------
     ConfigError
         Not a positive whole number, or a duration that was given too and is shorter.
     """
-    if steps is None:
+    if steps is None or steps == -1:
         return scenario
     if check_number("max_episode_steps", steps, 1, 10**9) != int(steps):
         raise ConfigError(f"max_episode_steps = {steps}: must be a whole number")
@@ -120,8 +119,8 @@ def with_steps(scenario: Scenario, steps: int | None, overrides: Mapping | None)
     return dataclasses.replace(scenario, duration=int(steps) * scenario.control_interval)
 
 
-def _steps_of_make() -> int | None:
-    """The ``max_episode_steps`` of the ``gym.make`` that is making this environment, if any.
+def _steps_of_make(made: type) -> int | None:
+    """The ``max_episode_steps`` of the ``gym.make`` that is making a class, or of its spec.
 
     `gym.make` gives it to a TimeLimit wrapper only, which can shorten an episode but not lengthen
     it; so we look for it where it stands. None where there is none.
@@ -129,10 +128,13 @@ def _steps_of_make() -> int | None:
     frame = sys._getframe(1)
     while frame is not None:
         if frame.f_code is getattr(gym.make, "__code__", None):
-            if getattr(frame.f_locals.get("env_spec"), "id", None) not in ENVIRONMENTS:
+            spec = frame.f_locals.get("env_spec")
+            entry = getattr(spec, "entry_point", None)
+            ours = entry is made or str(entry).startswith(f"{__name__.rpartition('.')[0]}.")
+            if not ours:
                 return None  # of somebody else, who makes us inside
             steps = frame.f_locals.get("max_episode_steps")
-            return None if steps == -1 else steps
+            return spec.max_episode_steps if steps is None else steps
         frame = frame.f_back
     return None
 
@@ -162,6 +164,8 @@ class ShipEnv(gym.Env):
         Keys of the scenario, nested or dotted; unknown keys are refused.
     render_mode : str, optional
         ``"rgb_array"`` or ``"human"``.
+    max_episode_steps : int, optional
+        Control intervals of an episode, instead of what the scenario's duration says.
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012
@@ -176,6 +180,7 @@ class ShipEnv(gym.Env):
         privileged: bool | None = None,
         overrides: Mapping[str, Any] | None = None,
         render_mode: str | None = None,
+        max_episode_steps: int | None = None,
     ):
         check_render_mode(render_mode)
         self.render_mode = render_mode
@@ -183,7 +188,9 @@ class ShipEnv(gym.Env):
         resolved, given = resolved_scenario(
             scenario, ship, control, surrogate, privileged, overrides
         )
-        self.scenario = with_steps(resolved, _steps_of_make(), overrides)
+        if max_episode_steps is None:
+            max_episode_steps = _steps_of_make(type(self))
+        self.scenario = with_steps(resolved, max_episode_steps, overrides)
         self.episodes = EpisodeBatch(1, self.scenario, given, parallel=False)
         self.observation_space = observation_space(self.scenario)
         self.action_space = action_space(self.scenario)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from gymnasium.utils import seeding
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, check_number
 from ship_gym.conventions import (
     FLOW_EXTRAPOLATION,
     FLOW_NAMES,
@@ -21,6 +21,7 @@ from ship_gym.conventions import (
     X,
     Y,
 )
+from ship_gym.envs.probe import check_outcomes, try_kernels
 from ship_gym.envs.randomisation import ShipDraws, check_has_std
 from ship_gym.envs.weather import Weathers
 from ship_gym.physics.dynamics import over_ground
@@ -198,6 +199,7 @@ class EpisodeBatch:
             What is not drawn, arrays of m rows, see ``envs.start_options``.
         """
         sim, tasks, given = self.sim, self.tasks, given or {}
+        self._check_speed(which, given)
         if "sea_seed" in given:
             draws = self._with_seas_of(draws, given["sea_seed"])
         begin, sea, plan, ship, key, phases = np.split(draws, self._parts, axis=1)
@@ -234,7 +236,14 @@ class EpisodeBatch:
         self._begun = True
         sim.set_sea(which, phases, waves_to)
         self._fail()
+        try_kernels(self)
         self.observe()
+
+    def _check_speed(self, which: np.ndarray, given: Mapping[str, np.ndarray]) -> None:
+        """Refuse a speed at the start that no ship has."""
+        fastest = bridge.FASTEST * self.tasks["speed"][which]
+        for speed, limit in zip(given.get("speed", ()), fastest, strict=False):
+            check_number("options['speed']", speed, -limit, limit, "m/s")
 
     def _with_seas_of(self, draws: np.ndarray, seeds: np.ndarray) -> np.ndarray:
         """Draws with the numbers of the sea as the episodes of other seeds have them."""
@@ -292,6 +301,8 @@ class EpisodeBatch:
             sim.state, before, sim.flow, sim.records, sim.seas, self.tasks,
             self._failures, self._aims, self._results, self._diverged,
         )  # fmt: skip
+        if lost < 0:
+            check_outcomes(self.task, self.outcomes)
         if lost:
             self._end_diverged(np.flatnonzero(self._diverged))
         self._fail()

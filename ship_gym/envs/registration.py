@@ -35,14 +35,14 @@ def register_task(task: Task) -> None:
     ConfigError
         A name of the package's own, or a default scenario that is wrong.
     """
-    from ship_gym.scenarios.scenario import load_scenario, scenario_class  # late: kernels
-    from ship_gym.tasks.bridge import record_dtype
+    from ship_gym.scenarios.scenario import check_task, load_scenario  # late: kernels
 
+    if not isinstance(task, Task):
+        raise ConfigError(f"register_task({task!r}): needs a ship_gym.tasks.api.Task")
+    check_task(task)
     before = TASKS.outside().get(task.name)
     TASKS.add(task)
     try:
-        scenario_class(task)
-        record_dtype(task)
         load_scenario(task.name)
     except Exception:
         TASKS.forget(task.name, before)

@@ -28,7 +28,8 @@ def start_options(
     options : mapping or None
         ``heading_error_deg`` of the heading less the ordered one or the bearing of the first leg;
         ``speed`` through the water [m/s]; ``position`` north and east [m]; ``sea_seed``: current,
-        waves, wind and their phases are those of the episode of that seed. One value for all
+        waves, wind and their phases are those of the episode of that seed (directions that the
+        scenario gives as encounter angles count from this episode's order). One value for all
         environments, or one for each.
     n : int
         Number of environments.

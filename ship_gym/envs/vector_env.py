@@ -194,18 +194,22 @@ class ShipVectorEnv(VectorEnv):
     def _seeds(self, seed) -> list[int | None]:
         if seed is None:
             return [None] * self.num_envs
-        if isinstance(seed, int | np.integer):
+        if isinstance(seed, int | np.integer) and not isinstance(seed, bool) and seed >= 0:
             return [int(seed) + i for i in range(self.num_envs)]
         if not isinstance(seed, Sequence | np.ndarray):
             raise ConfigError(
                 f"seed = {seed!r}: must be a whole number or one for each environment"
             )
+        if np.ndim(seed) != 1 or len(seed) != self.num_envs:
+            raise ConfigError(
+                f"seeds of shape {np.shape(seed)} given for {self.num_envs} environments: allowed "
+                f"is one whole number, or ({self.num_envs},) of them"
+            )
         seeds = list(seed)
-        if len(seeds) != self.num_envs:
-            raise ConfigError(f"{len(seeds)} seeds given for {self.num_envs} environments")
         for one in seeds:
-            if one is not None and not isinstance(one, int | np.integer):
-                raise ConfigError(f"seed {one!r}: must be a whole number or None")
+            whole = isinstance(one, int | np.integer) and not isinstance(one, bool)
+            if one is not None and not (whole and one >= 0):
+                raise ConfigError(f"seed {one!r}: must be a whole number from 0 on, or None")
         return [None if one is None else int(one) for one in seeds]
 
     def _reset_mask(self, options: dict[str, Any] | None) -> np.ndarray:

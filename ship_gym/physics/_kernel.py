@@ -8,9 +8,10 @@ when it is trusted: ``_cache``.
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numba
@@ -33,12 +34,26 @@ def source_hash() -> str:
 _CACHE_FOLDER = cache_folder(source_hash())
 
 
+@functools.cache
+def _beside(folder: Path) -> str:
+    """Hash of the Python files in a folder of a user, whose kernels may use each other."""
+    digest = hashlib.sha256()
+    for path in sorted(folder.glob("*.py")):
+        state = path.stat()
+        digest.update(f"{path.name} {state.st_mtime_ns} {state.st_size}\n".encode())
+    return digest.hexdigest()[:16]
+
+
 @contextlib.contextmanager
-def _own_cache(kind: str) -> Iterator[None]:
+def _own_cache(kind: str, function: Callable) -> Iterator[None]:
     """Let numba put this function's cache into our folder; leave other users' setting alone.
 
-    numba's cache key does not hold the `parallel` flag, hence one folder for each kind.
+    numba's cache key does not hold the `parallel` flag, hence one folder for each kind; a function
+    of a user's file has one for all that lies beside that file.
     """
+    file = Path(function.__code__.co_filename)
+    if file.exists() and not file.resolve().is_relative_to(_PACKAGE):
+        kind = f"{kind}-{_beside(file.resolve().parent)}"
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(Path(_CACHE_FOLDER) / kind)
     try:
@@ -49,13 +64,13 @@ def _own_cache(kind: str) -> Iterator[None]:
 
 def kernel(function):
     """Compile a scalar function of one ship at one instant (no fastmath: same bits everywhere)."""
-    with _own_cache("serial"):
+    with _own_cache("serial", function):
         return numba.njit(function, cache=True, error_model="numpy")
 
 
 def batch(function):
     """Compile a loop over ships twice: ``(serial, parallel)``; `numba.prange` marks the loop."""
-    with _own_cache("parallel"):
+    with _own_cache("parallel", function):
         parallel = numba.njit(function, cache=True, error_model="numpy", parallel=True)
     return kernel(function), parallel
 

@@ -5,17 +5,18 @@ from __future__ import annotations
 import dataclasses
 import functools
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError, build, check_known, check_number, merged, read_toml
 from ship_gym.scenarios.sea_range import SeaRange
 from ship_gym.scenarios.sections import Failure, Randomisation, Sensors
-from ship_gym.tasks import TASKS
+from ship_gym.tasks import TASKS, bridge, measures, privileged
 from ship_gym.tasks.base import NoLimits, Start, Task
+from ship_gym.tasks.bridge import COMMON_FIELDS
 from ship_gym.tasks.columns import ACTIONS
-from ship_gym.tasks.rewards import reward_section
+from ship_gym.tasks.rewards import COSTS, reward_section
 
 _FOLDER = Path(__file__).parent
 
@@ -86,6 +87,40 @@ def task_sections(task: Task) -> dict[str, type]:
     """Sections that a task brings to its scenario, name to dataclass."""
     usual = {"start": Start, "limits": NoLimits, "reward": reward_section(task.terms)}
     return usual | dict(task.sections)
+
+
+def check_task(task: Task) -> None:
+    """Refuse a task from outside whose names are taken already.
+
+    Raises
+    ------
+    ConfigError
+        Says which name, and of what.
+    """
+    named = f"task {task.name!r}"
+    if task.name not in TASKS.own() and (_FOLDER / f"{task.name}.toml").exists():
+        raise ConfigError(f"{named}: a scenario of the package has that name; choose another")
+    taken = {field.name for field in dataclasses.fields(Scenario)}
+    _refuse_taken(f"{named}: section", task.sections, taken, "a key of every scenario")
+    costs, terms = [term.name for term in COSTS], [term.name for term in task.terms]
+    _refuse_taken(f"{named}: term", terms, costs, "a cost term of every task")
+    fields = [name for name, _ in task.fields]
+    own = [*terms, *costs, *COMMON_FIELDS]
+    _refuse_taken(f"{named}: field", fields, own, "a term or a common field of the record")
+    rows = [row.name for row in (*bridge.OBSERVATIONS, *privileged.OBSERVATIONS)]
+    own = [row.name for row in task.observations]
+    _refuse_taken(f"{named}: observation", own, rows, "a row of every task")
+    _refuse_taken(f"{named}: metric", task.metrics, measures.COMMON, "a metric of every task")
+    for name, metric in task.metrics.items():
+        check_known(f"`better` of metric {name!r}", metric.better, ("lower", "higher"))
+    check_known(f"headline of {named}", task.headline, [*task.metrics, *measures.COMMON])
+    bridge.record_dtype(task)
+
+
+def _refuse_taken(what: str, names: Iterable[str], taken: Iterable[str], of: str) -> None:
+    double = sorted(set(names) & set(taken))
+    if double:
+        raise ConfigError(f"{what} {double[0]!r}: that is {of}; choose another name")
 
 
 @functools.cache

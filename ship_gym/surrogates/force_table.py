@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -20,6 +21,7 @@ from ship_gym.surrogates.effective_inflow import (
     rudder_frame,
 )
 from ship_gym.surrogates.fit import PRINTED_FORCES, Fit
+from ship_gym.surrogates.samples import DATA_SETS
 from ship_gym.tables import Axis, Table, tabulate
 
 # The surrogate fades into open water and the effective-inflow law over these margins of its box.
@@ -66,6 +68,16 @@ def torque_at_thrust(ship: Ship) -> Callable[[np.ndarray], np.ndarray]:
     return lambda thrust: np.interp(thrust, K_T[falling], K_Q[falling])
 
 
+def _warn_of_samples(fit: Fit, ship: Ship) -> None:
+    """Say what looks like a slip in samples of a user; those of the project are known."""
+    from ship_gym.surrogates.sample_checks import check_samples  # late: it imports us by `fit`
+
+    if DATA_SETS.get(fit.data.name) is fit.data:
+        return
+    for text in check_samples(fit.data, ship, fit.options, fit.grid, fit.turbulence):
+        warnings.warn(text, UserWarning, stacklevel=3)
+
+
 def table_of(fit: Fit, ship: Named | Ship) -> Table:
     """Tabulate fitted models over their box and its margins; the table ends where trust is zero.
 
@@ -81,12 +93,18 @@ def table_of(fit: Fit, ship: Named | Ship) -> Table:
         ``records.surrogate_names`` over advance angle and drift, in the frame of a turn to
         starboard; its card says where it comes from, how good it is and where it is valid.
 
+    Warns
+    -----
+    UserWarning
+        Samples of a user look like a slip, see `sample_checks.check_samples`.
+
     Raises
     ------
     ConfigError
         A quantity varies too fast for the grid.
     """
     data, ship = fit.data, bare(ship)
+    _warn_of_samples(fit, ship)
     box = dict(zip(("J_min", "J_max", "beta_min", "beta_max"), data.box, strict=True))
     box = {"delta": data.delta, "S_R": ship.rudder.A_R, **box}
     torque = torque_at_thrust(ship)

@@ -10,8 +10,8 @@ import importlib
 import pkgutil
 from collections.abc import Iterator, Mapping
 
-from ship_gym.config import ConfigError, check_known
-from ship_gym.tasks.base import Row, Task
+from ship_gym.config import ConfigError, nearest
+from ship_gym.tasks.base import Row, Task, class_name
 
 
 class _Tasks(Mapping):
@@ -31,7 +31,12 @@ class _Tasks(Mapping):
         return _all_tasks, ()
 
     def __getitem__(self, name: str) -> Task:
-        found = self._known[check_known("task", name, self._known)]
+        if name not in self._known:
+            raise ConfigError(
+                f"unknown task {name!r};{nearest(str(name), self._known)}. A task of one's own is "
+                "known once its file is named: --task FILE.py, ship_gym.load_task('FILE.py')"
+            )
+        found = self._known[name]
         if isinstance(found, str):
             found = self._known[name] = importlib.import_module(found).TASK
         return found
@@ -58,6 +63,11 @@ class _Tasks(Mapping):
         known = self._known.get(task.name)
         if isinstance(known, str) or (known is not None and known.scenario is None):
             raise ConfigError(f"task {task.name!r} is one of the package; choose another name")
+        same = [k for k in self._known if k != task.name and class_name(k) == task.class_name]
+        if same:
+            raise ConfigError(
+                f"task {task.name!r} has the class name of {same[0]!r}; choose another"
+            )
         if task.scenario is None:
             raise ConfigError(
                 f"task {task.name!r}: give its default `scenario`, such as "

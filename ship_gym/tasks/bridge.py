@@ -84,6 +84,9 @@ _COMMON_FIELDS = (
 )
 
 
+COMMON_FIELDS = tuple(name for name, _ in _COMMON_FIELDS)
+
+
 def record_dtype(task) -> np.dtype:
     """Type of the record of one episode: common fields, weights of the reward, the task's own."""
     weights = ((term.name, np.float64) for term in (*task.terms, *COSTS))
@@ -247,11 +250,13 @@ def account_batch(states, before, flow, ships, seas, tasks, failed, reached, res
     Returns
     -------
     int
-        How many have diverged.
+        How many have diverged; -1: an outcome that the task does not name.
     """
     has_aim, lost = reached.any(), 0
     for i in range(states.shape[0]):
         result, task = results[i], tasks[i]
+        if result.outcome < 0 or result.outcome >= len(failed):
+            return -1
         diverged[i] = not is_ship(states[i], seas[i], task)
         lost += 1 if diverged[i] else 0
         result.power = 0.0 if diverged[i] else shaft_power(before[i, N], flow[i, FLOW_TORQUE])

@@ -14,6 +14,10 @@ from ship_gym.tasks import observations_of
 ACTIONS: dict[str, tuple[str, ...]] = {"rudder": ("rudder",), "rudder+rpm": ("rudder", "rpm")}
 
 
+class NoColumn(ConfigError, AttributeError):
+    """A column that is not there."""
+
+
 class Columns:
     """Names of the columns of an array.
 
@@ -28,6 +32,9 @@ class Columns:
     def __init__(self, names: Sequence[str], what: str):
         self.names, self._what = tuple(names), what
         self._index = {name: k for k, name in enumerate(self.names)}
+        if len(self._index) < len(self.names):
+            double = next(name for name in self.names if self.names.count(name) > 1)
+            raise ConfigError(f"{what} has {double!r} twice; each column needs its own name")
 
     def __len__(self) -> int:
         return len(self.names)
@@ -41,7 +48,7 @@ class Columns:
     def __getitem__(self, name: str) -> int:
         """Column of a name; a ConfigError if there is none."""
         if name not in self._index:
-            raise ConfigError(f"{self._what} has no {name!r};{nearest(name, self.names)}")
+            raise NoColumn(f"{self._what} has no {name!r};{nearest(name, self.names)}")
         return self._index[name]
 
     def require(self, names: Sequence[str], who: str) -> Columns:
@@ -81,19 +88,19 @@ class View:
         Another number of columns; a name that is not there.
     """
 
-    __slots__ = ("_columns", "array")
+    __slots__ = ("_array", "_columns")
 
     def __init__(self, columns: Columns, array: np.ndarray):
         columns.refuse(array.shape)
-        self._columns, self.array = columns, array
+        self._columns, self._array = columns, array
 
     def __len__(self) -> int:
-        return len(self.array)
+        return len(self._array)
 
     def __getattr__(self, name: str) -> np.ndarray:
         if name.startswith("__"):
             raise AttributeError(name)
-        return self.array[:, self._columns[name]]
+        return self._array[:, self._columns[name]]
 
 
 def observation_columns(scenario: Any) -> Columns:

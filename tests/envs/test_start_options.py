@@ -53,6 +53,15 @@ def test_the_sea_of_another_seed():
     assert info["psi_ordered"] == env.reset(seed=8)[1]["psi_ordered"]
 
 
+def test_a_sea_at_an_encounter_angle_counts_from_the_order_of_the_episode():
+    env = gym.make(HEADING, scenario="heading_ss5_bow").unwrapped
+    for options in (None, {"sea_seed": 5}):
+        env.reset(seed=9, options=options)
+        task = env.episodes.tasks[0]
+        mu = np.degrees(wrap_angle(task["psi_ordered"] - task["wave_to"]))
+        assert mu == pytest.approx(135.0)
+
+
 def test_vector_is_scalar_with_one_value_for_all_or_one_for_each():
     envs = gym.make_vec(TRACK, num_envs=3)
     errors, positions = np.array([-10.0, 0.0, 20.0]), np.array([[0.0, 0.0], [5.0, 6.0], [7.0, 8.0]])
@@ -84,6 +93,7 @@ def test_vector_is_scalar_with_one_value_for_all_or_one_for_each():
         ({"speed": math.nan}, "speed"),
         ({"sea_seed": 1.5}, "whole number"),
         ({"sea_seed": -1}, "sea_seed.*-1"),
+        ({"speed": 25.0}, r"options\['speed'\] = 25"),
         ([1], "must be a mapping"),
     ],
 )
@@ -101,8 +111,17 @@ def test_seeds_as_an_array():
     expected, _ = envs.reset(seed=[5, 9, 2])
     for seeds in (np.array([5, 9, 2]), np.array([5, 9, 2], dtype=np.uint8), (5, 9, 2)):
         assert (envs.reset(seed=seeds)[0] == expected).all()
-    with pytest.raises(ConfigError, match=r"seed .*1.5.*whole number"):
-        envs.reset(seed=np.array([1.5, 2.0, 3.0]))
+    for wrong, words in (
+        (np.array([1.5, 2.0, 3.0]), r"seed .*1.5.*whole number"),
+        (np.array(5), r"seeds of shape \(\) given for 3"),
+        (np.array([[5, 9, 2]]), r"seeds of shape \(1, 3\)"),
+        ([5, 9], r"seeds of shape \(2,\)"),
+        ([5, -9, 2], "seed -9"),
+        ([True, 1, 2], "seed True"),
+        (-1, "seeds of shape|seed"),
+    ):
+        with pytest.raises(ConfigError, match=words):
+            envs.reset(seed=wrong)
 
 
 @pytest.mark.parametrize("steps", [5, 700])
@@ -121,6 +140,40 @@ def test_max_episode_steps_is_obeyed(steps):
         assert not terminated and truncated == (k == steps) == cut.all() == cut.any()
         assert not ended.any()
     assert info["is_success"]
+
+
+def test_max_episode_steps_of_a_spec_and_of_the_classes_is_obeyed_too():
+    env = gym.make(HEADING, max_episode_steps=900)
+    assert gym.make(env.spec).unwrapped.scenario.steps == 900
+    assert ship_gym.HeadingKeeping(max_episode_steps=5).scenario.steps == 5
+    gym.register(
+        "Mine/Long-v0",
+        entry_point="ship_gym.envs.classes:HeadingKeeping",
+        max_episode_steps=900,
+    )
+    try:
+        assert gym.make("Mine/Long-v0").unwrapped.scenario.steps == 900
+    finally:
+        del gym.registry["Mine/Long-v0"]
+    for make in (gym.make, gym.make_vec):
+        assert make(HEADING, max_episode_steps=-1).unwrapped.scenario.steps == 600
+
+
+def test_max_episode_steps_of_another_environment_is_not_ours():
+    """An environment of somebody else that makes one of ours inside."""
+
+    class Outer(gym.Env):
+        observation_space = action_space = gym.spaces.Discrete(2)
+
+        def __init__(self):
+            self.inner = ship_gym.ShipEnv()
+
+    gym.register("Mine/Outer-v0", entry_point=Outer)
+    try:
+        env = gym.make("Mine/Outer-v0", max_episode_steps=7, disable_env_checker=True)
+        assert env.unwrapped.inner.scenario.steps == 600
+    finally:
+        del gym.registry["Mine/Outer-v0"]
 
 
 def test_max_episode_steps_beside_a_shorter_duration_is_refused():

@@ -177,5 +177,12 @@ def test_a_file_that_scales_another_one(mine):
     changed(mine, ("B = { value = 1.40", "B = { value = 1.33"))
     assert load_ship(full).hull.B == pytest.approx(60.8)
     full.write_text('scaled_from = "ship.toml"\nlength = { value = 320.0, unit = "m" }\n')
-    with pytest.raises(ConfigError, match=r"scaled_from = 'ship.toml': that is this file"):
+    with pytest.raises(
+        ConfigError, match=r"scaled_from goes in a circle: .*ship.toml -> .*ship.toml"
+    ):
+        load_ship(full)
+    other = Path("full") / "other.toml"
+    other.write_text('scaled_from = "ship.toml"\nlength = { value = 32.0, unit = "m" }\n')
+    full.write_text('scaled_from = "other.toml"\nlength = { value = 320.0, unit = "m" }\n')
+    with pytest.raises(ConfigError, match=r"circle: .*ship.toml -> .*other.toml -> .*ship.toml"):
         load_ship(full)

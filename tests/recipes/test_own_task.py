@@ -17,6 +17,7 @@ from ship_gym.config import ConfigError
 from ship_gym.evaluation import compare, metrics, rollout, table
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.tasks import TASKS
+from ship_gym.tasks.base import Metric, Row, Term
 from ship_gym.tasks.columns import observation_columns
 
 FILE = Path(__file__).with_name("hold_yaw_rate.py")
@@ -90,10 +91,14 @@ def test_sections_are_checked_as_strictly_as_the_package_s(task):
 
 
 def test_without_metrics_it_is_told_and_never_judged_as_another_task(task):
-    bare = dataclasses.replace(task, name="bare_rate", metrics={}, measure=None)
+    bare = dataclasses.replace(task, name="bare_rate", metrics={}, measure=None, headline="return")
     ship_gym.register_task(bare)
     with pytest.raises(ConfigError, match="task 'bare_rate' has no metrics"):
         metrics(rollout(Turner(), "bare_rate", seeds=[1]).trajectory(0))
+    from ship_gym_agents.sb3.config import run_config
+
+    with pytest.raises(ConfigError, match="task 'bare_rate' has no metrics"):
+        run_config(scenario="bare_rate")  # before a training begins
 
 
 def test_wrong_tasks_are_refused_and_leave_nothing_behind(task):
@@ -104,10 +109,82 @@ def test_wrong_tasks_are_refused_and_leave_nothing_behind(task):
         ({"scenario": None}, "default `scenario`"),
         ({"scenario": {"base": "heading_keping"}}, "did you mean 'heading_keeping'"),
         ({"scenario": {"base": "heading_keeping", "limits": {"x": 1}}}, "unknown key 'x'"),
+        ({"name": "heading_calm"}, "a scenario of the package has that name"),
+        ({"name": "hold__yaw_rate"}, "has the class name of 'hold_yaw_rate'"),
+        ({"headline": "rms_rate"}, "did you mean 'rms_rate_error'"),
+        ({"metrics": {"rms_rate_error": Metric("-", "", "small")}}, "unknown `better`.*'lower'"),
+        ({"metrics": {"energy": Metric("-", "", "lower")}}, "metric 'energy': that is a metric of"),
+        ({"terms": (Term("rudder", "x", "y"),)}, "term 'rudder': that is a cost term"),
+        ({"fields": (("L", float),)}, "field 'L': that is a term or a common field"),
+        ({"fields": (("rate_error", float),)}, "field 'rate_error': that is a term"),
+        ({"sections": {"sea": dict}}, "section 'sea': that is a key of every scenario"),
+        (
+            {"observations": (Row("yaw_rate", "", "-", 0, 1, ""),)},
+            "observation 'yaw_rate': that is a",
+        ),
     ):
         with pytest.raises(ConfigError, match=words):
             ship_gym.register_task(dataclasses.replace(task, **{"name": "other_rate"} | changes))
     assert ship_gym.ENVIRONMENTS == before and "other_rate" not in TASKS
+
+
+def test_what_is_no_task_is_refused():
+    with pytest.raises(ConfigError, match=r"register_task\(3\): needs a"):
+        ship_gym.register_task(3)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"terms": ()}, None),
+        ({"terms": (Term("rate_error", "", ""), Term("more", "", ""))}, "writes 5 terms.*names 6"),
+        ({"observations": ()}, "writes 10 rows of the observation; it names 9"),
+        (
+            {"observations": tuple(Row(k, k, "-", 0.0, 1.0, k) for k in ("one", "two"))},
+            "writes 10 rows of the observation; it names 11",
+        ),
+    ],
+)
+def test_names_that_the_kernels_do_not_write_are_refused_before_anything_is_sailed(
+    task, changes, words
+):
+    """They would shift the others, or be written beside the arrays."""
+    if words is None:
+        with pytest.raises(ConfigError, match="terms: at least one"):
+            dataclasses.replace(task, name="odd_rate", **changes)
+        return
+    odd = dataclasses.replace(task, name="odd_rate", **changes)
+    ship_gym.register_task(odd)
+    with pytest.raises(ConfigError, match=f"task 'odd_rate': its kernel {words}"):
+        gym.make("ShipGym/OddRate-v0").reset(seed=0)
+
+
+@pytest.mark.compiled
+def test_an_outcome_without_a_name_is_refused(task):
+    ship_gym.register_task(dataclasses.replace(task, name="nameless_rate", outcomes=()))
+    env = gym.make("ShipGym/NamelessRate-v0", overrides={"limits.error_deg_s": 1e-9})
+    with pytest.raises(ConfigError, match="gives outcome 2; named are 0 running, 1 diverged"):
+        env.reset(seed=0)
+    env = gym.make("ShipGym/NamelessRate-v0", overrides={"limits.error_deg_s": 0.3001})
+    env.reset(seed=0)
+    with pytest.raises(ConfigError, match="gives outcome 2"):
+        for _ in range(200):
+            env.step(np.ones(1, np.float32))
+
+
+def test_its_class_is_a_name_of_the_package(task):
+    assert ship_gym.HoldYawRate is type(gym.make(ID).unwrapped)
+
+
+def test_files_in_a_section_count_from_the_scenario_file(task, tmp_path):
+    """As `track.file` does; the section says which keys are files."""
+    (tmp_path / "mine.geojson").write_text(
+        '{"type": "LineString", "coordinates": [[0, 0], [0, 900], [500, 2000]]}'
+    )
+    file = tmp_path / "mine.toml"
+    file.write_text('base = "track_following"\n[track]\nkind = "points"\nfile = "mine.geojson"\n')
+    assert ship_gym.load_scenario(file).track.file == str(tmp_path / "mine.geojson")
 
 
 def test_files_without_a_task_are_one_line(tmp_path):

@@ -149,6 +149,15 @@ def _chosen(asked: Asked) -> tuple[Any, Any, Any, tuple[str, str]]:
     return data, ship, options, choice
 
 
+def _quiet(make: Any, *arguments: Any) -> Any:
+    """What `make` gives, without its warnings: those of samples are printed before the fit."""
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        return make(*arguments)
+
+
 def _warn_of_samples(data: Any, ship: Any, options: Any, choice: tuple[str, str]) -> None:
     from ship_gym.surrogates.sample_checks import check_samples
 
@@ -190,7 +199,7 @@ def _fitted(data: Any, ship: Any, options: Any, choice: tuple[str, str]) -> tupl
     done: dict[str, Any] = {}
     steps = {
         "fit": lambda: fit(data, options, *choice),
-        "table": lambda: table_of(done["fit"], ship),
+        "table": lambda: _quiet(table_of, done["fit"], ship),
         "facts": lambda: as_dict(done["fit"], done["table"]),
     }
     for name in progress(list(steps), "fitting"):

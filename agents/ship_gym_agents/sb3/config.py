@@ -18,6 +18,7 @@ from ship_gym.config import (
     read_toml,
 )
 from ship_gym.envs.env import resolved_scenario
+from ship_gym.evaluation.metrics import metrics_of
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym_agents.sb3.policy import ACTIVATIONS
@@ -241,6 +242,7 @@ def run_config(
     hyper = load_hyperparameters(algorithm, hyperparameters, envs)
     resolved, _ = resolved_scenario(scenario, ship, control, None, privileged, overrides)
     load_ship(resolved.ship, surrogate=resolved.surrogate)  # refuses an unknown one now
+    metrics_of(resolved.task)  # and a task that no validation can judge
     if seed < 0:
         raise ConfigError(f"seed = {seed}: must not be negative")
     return RunConfig(algorithm, resolved, seed, hyper)

@@ -35,7 +35,7 @@ class ShipVecEnv(VecEnv):
         Let the first episodes after a reset end early, at random times drawn from the seed. The
         environments are then spread over all phases of an episode; without it a short rollout
         sees n starts and the next n steady voyages.
-    ship, control, surrogate, scenario, privileged, overrides, parallel
+    ship, control, surrogate, scenario, privileged, overrides, parallel, max_episode_steps
         As in ``ShipVectorEnv``; the autoreset mode is given by stable-baselines3.
     """
 
@@ -50,6 +50,7 @@ class ShipVecEnv(VecEnv):
         privileged: bool | None = None,
         overrides: Mapping[str, Any] | None = None,
         parallel: bool | None = None,
+        max_episode_steps: int | None = None,
     ):
         self.env = ShipVectorEnv(
             num_envs,
@@ -61,6 +62,7 @@ class ShipVecEnv(VecEnv):
             overrides,
             autoreset_mode="SameStep",
             parallel=parallel,
+            max_episode_steps=max_episode_steps,
         )
         self.stagger = stagger
         super().__init__(num_envs, self.env.single_observation_space, self.env.single_action_space)
@@ -72,7 +74,7 @@ class ShipVecEnv(VecEnv):
     def reset(self) -> np.ndarray:
         """Begin new episodes everywhere with the seeds of `seed`; float32 (n, n_observations)."""
         seeds = self._seeds if self._seeds[0] is not None else None
-        observations, _ = self.env.reset(seed=seeds)
+        observations, _ = self.env.reset(seed=seeds, options=self._options_for_all())
         if self.stagger:
             generator = np.random.default_rng(self._seeds[0])
             steps = self.env.scenario.steps
@@ -82,6 +84,15 @@ class ShipVecEnv(VecEnv):
         self._returns[:], self._lengths[:] = 0.0, 0
         self.reset_infos = [{} for _ in range(self.num_envs)]
         return observations
+
+    def _options_for_all(self) -> dict[str, Any] | None:
+        """Options of `set_options`, one dict for each environment, as the batch takes them."""
+        names = {name for options in self._options for name in options}
+        if any(set(options) != names for options in self._options):
+            raise ConfigError(
+                f"options {self._options}: all environments need the same names of options"
+            )
+        return {name: [options[name] for options in self._options] for name in names} or None
 
     def step_async(self, actions: np.ndarray) -> None:
         """Keep the actions, shape (n, n_actions), for `step_wait`."""

@@ -2,22 +2,34 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ship_gym.conventions import PSI
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
-from ship_gym.tasks.base import RUNNING
+from ship_gym.tasks.base import RUNNING, Term, check_names
 from ship_gym.tasks.bridge import settle
 from ship_gym.tasks.rewards import costs
 
 HEADING_LIMIT = 2  # outcome
+TERMS = (Term("heading", "psi_e^2 [rad^2]", "Of psi_e^2 [1/rad^2]."),)
 FIELDS = (
     ("active", np.int64),  # number of the order that holds now, and how many there are
     ("count", np.int64),
     ("next_change", np.float64),  # interval at which the next order comes
     ("heading_limit", np.float64),  # error that ends the episode [rad]
 )
+
+
+class HeadingTerms(NamedTuple):
+    """Terms of the reward that are a heading's own, in the order of `TERMS`."""
+
+    heading: float
+
+
+check_names("the terms of a heading", HeadingTerms._fields, TERMS)
 # columns of the plan of an episode: interval from which an order holds, ordered heading [rad]
 FROM, ORDER = 0, 1
 
@@ -40,7 +52,7 @@ def judge_batch(states, before, seas, tasks, plans, terms, results):
         task = tasks[i]
         psi_e = wrapped(states[i, PSI] - task.psi_ordered)
         outcome = HEADING_LIMIT if abs(psi_e) > task.heading_limit else RUNNING
-        own = (-task.interval * task.heading * psi_e * psi_e,)
+        own = HeadingTerms(heading=-task.interval * task.heading * psi_e * psi_e)
         paid = costs(states[i], before[i], seas[i], task, outcome != RUNNING)
         settle(results[i], terms[i], psi_e, own, paid, outcome, task)
         if 0.0 < task.next_change <= results[i].elapsed:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError, check_fields
 from ship_gym.conventions import wrap_angle
-from ship_gym.tasks.base import Moment, Outcome, Start, Task, Term
+from ship_gym.tasks.base import Moment, Outcome, Start, Task
 from ship_gym.tasks.bridge import observe_batch
 from ship_gym.tasks.heading import NAME, VERSION, kernels
 from ship_gym.tasks.heading.metrics import METRICS, measure
@@ -71,7 +71,7 @@ TASK = Task(
     version=VERSION,
     title="Hold an ordered heading in a seaway.",
     sections={"start": Start, "limits": Limits},
-    terms=(Term("heading", "psi_e^2 [rad^2]", "Of psi_e^2 [1/rad^2]."),),
+    terms=kernels.TERMS,
     outcomes=(Outcome("heading limit", failed=True),),
     fields=kernels.FIELDS,
     fill=fill,

@@ -10,12 +10,13 @@ import numpy as np
 from ship_gym.conventions import PSI, U, V, X, Y
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
-from ship_gym.tasks.base import RUNNING, Outcome, Row, check_names
+from ship_gym.tasks.base import RUNNING, Outcome, Row, Term, check_names
 from ship_gym.tasks.bridge import N_BRIDGE, clipped, observe_bridge, settle
 from ship_gym.tasks.rewards import costs
 from ship_gym.tracks.guidance import leg_position, look_ahead_bearing, passed
 
 TRACK_LIMIT, ARRIVED = 2, 3  # outcomes
+TERMS = (Term("cross_track", "(e / L)^2", "Of (e / L)^2."),)
 OUTCOMES = (Outcome("cross-track limit", failed=True), Outcome("arrived", reached=True))
 # behind those of the bridge; psi_e there is heading - bearing of the active leg
 OBSERVATIONS = (
@@ -79,6 +80,13 @@ class TrackView(NamedTuple):
     cos_look_ahead: float
 
 
+class TrackTerms(NamedTuple):
+    """Terms of the reward that are a track's own, in the order of `TERMS`."""
+
+    cross_track: float
+
+
+check_names("the terms of a track", TrackTerms._fields, TERMS)
 check_names("the rows of a track", TrackView._fields, OBSERVATIONS)
 _LOW = tuple(row.low for row in OBSERVATIONS)
 _HIGH = tuple(row.high for row in OBSERVATIONS)
@@ -167,7 +175,7 @@ def judge_batch(states, before, seas, tasks, plans, terms, results):
         if abs(cross) > task.cross_limit:
             outcome = TRACK_LIMIT
         error = cross / task.L
-        own = (-task.interval * task.cross_track * error * error,)
+        own = TrackTerms(cross_track=-task.interval * task.cross_track * error * error)
         paid = costs(states[i], before[i], seas[i], task, outcome == TRACK_LIMIT)
         settle(results[i], terms[i], cross, own, paid, outcome, task)
         if reached and not last:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import wrap_angle
-from ship_gym.tasks.base import Moment, Task, Term
+from ship_gym.tasks.base import Moment, Task
 from ship_gym.tasks.track import NAME, VERSION, kernels
 from ship_gym.tasks.track.metrics import METRICS, measure
 from ship_gym.tasks.track.plan import Tracks
@@ -81,7 +81,7 @@ TASK = Task(
     version=VERSION,
     title="Sail a track of way-points in a seaway.",
     sections={"start": Start, "limits": Limits, "track": TrackRange},
-    terms=(Term("cross_track", "(e / L)^2", "Of (e / L)^2."),),
+    terms=kernels.TERMS,
     observations=kernels.OBSERVATIONS,
     outcomes=kernels.OUTCOMES,
     fields=kernels.FIELDS,

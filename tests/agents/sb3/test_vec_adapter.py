@@ -56,6 +56,23 @@ def test_same_as_dummy_vec_env_of_scalars(control):
     assert len(ends) > 2 * N and set(ends) == {True, False}
 
 
+def test_options_of_the_next_reset():
+    envs = ShipVecEnv(2, overrides={"sensors.noise": False})
+    envs.seed(4)
+    envs.set_options({"heading_error_deg": 30.0})
+    seen = envs.reset()
+    np.testing.assert_allclose(np.degrees(np.arcsin(seen[:, 0])), 30.0, atol=1.0)
+    envs.set_options([{"heading_error_deg": 10.0}, {"heading_error_deg": -10.0}])
+    np.testing.assert_allclose(np.degrees(np.arcsin(envs.reset()[:, 0])), [10.0, -10.0], atol=1.0)
+    assert np.ptp(envs.reset()[:, 0]) != pytest.approx(0.0)  # only the next one
+    envs.set_options({"nonsense": 30.0})
+    with pytest.raises(ConfigError, match="unknown option of reset 'nonsense'"):
+        envs.reset()
+    envs.set_options([{"speed": 5.0}, {}])
+    with pytest.raises(ConfigError, match="need the same names"):
+        envs.reset()
+
+
 def test_running_episodes_have_empty_infos():
     env = ShipVecEnv(N, overrides=SHORT)
     env.seed(0)
