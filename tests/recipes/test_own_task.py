@@ -112,7 +112,7 @@ def test_wrong_tasks_are_refused_and_leave_nothing_behind(task):
         ({"name": "heading_calm"}, "a scenario of the package has that name"),
         ({"name": "hold__yaw_rate"}, "has the class name of 'hold_yaw_rate'"),
         ({"headline": "rms_rate"}, "did you mean 'rms_rate_error'"),
-        ({"metrics": {"rms_rate_error": Metric("-", "", "small")}}, "unknown `better`.*'lower'"),
+        ({"metrics": {"rms_rate_error": Metric("-", "", "small")}}, "unknown `better`.*higher, lower"),
         ({"metrics": {"energy": Metric("-", "", "lower")}}, "metric 'energy': that is a metric of"),
         ({"terms": (Term("rudder", "x", "y"),)}, "term 'rudder': that is a cost term"),
         ({"fields": (("L", float),)}, "field 'L': that is a term or a common field"),
