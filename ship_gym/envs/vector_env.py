@@ -200,11 +200,13 @@ class ShipVectorEnv(VectorEnv):
             raise ConfigError(
                 f"seed = {seed!r}: must be a whole number or one for each environment"
             )
-        if np.ndim(seed) != 1 or len(seed) != self.num_envs:
+        if np.ndim(seed) != 1:
             raise ConfigError(
                 f"seeds of shape {np.shape(seed)} given for {self.num_envs} environments: allowed "
                 f"is one whole number, or ({self.num_envs},) of them"
             )
+        if len(seed) != self.num_envs:
+            raise ConfigError(f"{len(seed)} seeds given for {self.num_envs} environments")
         seeds = list(seed)
         for one in seeds:
             whole = isinstance(one, int | np.integer) and not isinstance(one, bool)

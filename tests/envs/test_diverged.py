@@ -99,7 +99,8 @@ def test_a_ship_at_the_limit_of_speed_is_still_one():
     env.reset(seed=0, options={"speed": 0.99 * FASTEST * env.ship.speed})
     *_, info = env.step(np.zeros(1))
     assert info["outcome"] == 0
-    env.reset(seed=0, options={"speed": 1.2 * FASTEST * env.ship.speed})
+    env.reset(seed=0)
+    env.episodes.sim.state[0, U] = 1.2 * FASTEST * env.ship.speed
     _, reward, terminated, _, info = env.step(np.zeros(1))
     assert terminated and info["outcome"] == DIVERGED and reward == -200.0
 
