@@ -114,19 +114,21 @@ def step_one(state, command, clock, ship, sea, tables, around, met):
 
 
 @kernel
-def state_of(row):
-    """A row of states by name."""
+def state_of(states, i):
+    """Row i of the states by name; a view of the row would cost its counted references."""
     return State(
-        row[U], row[V], row[R], row[X], row[Y], row[PSI], row[DELTA], row[N]
+        states[i, U], states[i, V], states[i, R], states[i, X], states[i, Y], states[i, PSI],
+        states[i, DELTA], states[i, N],
     )  # fmt: skip
 
 
 @kernel
-def waves_of(row):
-    """A row of wave states by name."""
+def waves_of(met, i):
+    """Row i of the wave states by name."""
     return WaveState(
-        row[WAVE_X], row[WAVE_Y], row[WAVE_N], row[WAVE_SWAY], row[WAVE_SWAY_VELOCITY],
-        row[WAVE_ROLL], row[WAVE_YAW], row[WAVE_YAW_RATE], row[WAVE_EXTRAPOLATION],
+        met[i, WAVE_X], met[i, WAVE_Y], met[i, WAVE_N], met[i, WAVE_SWAY],
+        met[i, WAVE_SWAY_VELOCITY], met[i, WAVE_ROLL], met[i, WAVE_YAW], met[i, WAVE_YAW_RATE],
+        met[i, WAVE_EXTRAPOLATION],
     )  # fmt: skip
 
 
@@ -144,7 +146,7 @@ def see_waves(which, times, states, seas, waves, groups, response, winds, met):
     """Refresh ``waves_now`` of some ships, as after a reset; `met` (n, 9) is written."""
     for i in which:
         if seas[i].wavy == 1:
-            sea, body = seas[i], body_of(state_of(states[i]))
+            sea, body = seas[i], body_of(state_of(states, i))
             around = Around(waves[i], groups, response[sea.response], winds[sea.wind_table])
             found = waves_now(times[i], body, sea, around)
             for k in range(len(found)):
@@ -188,7 +190,7 @@ def _step_batch(
         tick = (times[i], clock[i, 0], steps)
         command = Controls(commands[i, 0], commands[i, 1])
         state, parts, flow_i, after = step_one(
-            state_of(states[i]), command, tick, ship, sea, tables, around, waves_of(met[i])
+            state_of(states, i), command, tick, ship, sea, tables, around, waves_of(met, i)
         )
         for k in range(len(state)):
             states[i, k] = state[k]

@@ -13,10 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ship_gym.conventions import DELTA, FLOW_TORQUE, PSI, N, R, U, V
+from ship_gym.conventions import DELTA, FLOW_TORQUE, N, R, U, V
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import wrapped
-from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.propeller import shaft_power
 from ship_gym.tasks.base import DIVERGED, RUNNING, Row, check_names
 from ship_gym.tasks.rewards import COSTS
@@ -56,8 +55,8 @@ _LOW = tuple(row.low for row in OBSERVATIONS)
 _HIGH = tuple(row.high for row in OBSERVATIONS)
 
 SATURATED = 0.999  # share of the largest rudder angle that counts as hard over
-# Beyond these, the bounds of the observation, a state is none of a ship: speed through the water
-# over U0 and r L / U0. Full ahead the ships of the package reach 1.95 U0, hard over 0.75.
+# Beyond these, the bounds of the observation, a state is none of a ship: speed over U0, r L / U0.
+# Full ahead the ships of the package reach 1.95 U0, hard over 0.75.
 FASTEST, FASTEST_TURN = 3.0, 5.0
 
 # What the record of every episode holds; a task adds its own fields and the weights of its terms.
@@ -222,15 +221,14 @@ def settle(result, terms, error, own, paid, outcome, task):
 
 
 @kernel
-def is_ship(state, sea, task):
-    """Whether a state is finite and one of a ship, see `FASTEST`."""
-    u_c, v_c = water_velocity(state[PSI], sea)
-    u, v, fastest = state[U] - u_c, state[V] - v_c, FASTEST * task.speed
-    total = 0.0
-    for k in range(len(state)):
-        total += state[k]
-    slow = u * u + v * v <= fastest * fastest  # not so if one of them is nan
-    return slow and abs(state[R]) * task.L <= FASTEST_TURN * task.speed and math.isfinite(total)
+def is_ship(u, v, r, sea, task):
+    """Whether velocities over ground are those of a ship, see `FASTEST`.
+
+    The current's speed is added to what is allowed: that takes no cosine. Not so if one is nan.
+    """
+    current = math.sqrt(sea.V_north * sea.V_north + sea.V_east * sea.V_east)
+    fastest = FASTEST * task.speed + current
+    return u * u + v * v <= fastest * fastest and abs(r) * task.L <= FASTEST_TURN * task.speed
 
 
 @kernel
@@ -245,7 +243,7 @@ def account_batch(states, before, flow, ships, seas, tasks, failed, reached, res
     failed, reached : ndarray (outcomes,)
         Which outcomes are failures, and which the aim; none of the latter: a task without.
     diverged : ndarray (n,)
-        Written, see `is_ship`.
+        Written: where a state is not finite, or none of a ship (`is_ship`).
 
     Returns
     -------
@@ -257,7 +255,11 @@ def account_batch(states, before, flow, ships, seas, tasks, failed, reached, res
         result, task = results[i], tasks[i]
         if result.outcome < 0 or result.outcome >= len(failed):
             return -1
-        diverged[i] = not is_ship(states[i], seas[i], task)
+        total = 0.0
+        for k in range(states.shape[1]):
+            total += states[i, k]
+        good = is_ship(states[i, U], states[i, V], states[i, R], seas[i], task)
+        diverged[i] = not (good and math.isfinite(total))
         lost += 1 if diverged[i] else 0
         result.power = 0.0 if diverged[i] else shaft_power(before[i, N], flow[i, FLOW_TORQUE])
         result.energy += result.power * task.dt
