@@ -64,7 +64,8 @@ class Screen:
             from ship_gym.recording.live import LiveView
 
             episodes = self._episodes
-            self._live = LiveView(episodes.ships[self._index], self._title())
+            ship, plots = episodes.ships[self._index], episodes.task.plots
+            self._live = LiveView(ship, self._title(), plots=plots)
         scene = self.scene()
         self._live.show(scene.row() | self._forces(), scene.track)
 

@@ -17,6 +17,7 @@ from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.evaluation.controller import Controller, check_controller
 from ship_gym.provenance import provenance
 from ship_gym.recording.about import ship_meta
+from ship_gym.recording.panels import plots_meta
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
@@ -163,6 +164,7 @@ class Rollout:
             "outcome": outcome if terminated else "end of time",
             "failed": bool(self.failed[i]),
             **self.task.meta(self.plans[i]),
+            **plots_meta(self.task.plots),
             **self.provenance,
         }
 

@@ -8,7 +8,7 @@ import os
 import socket
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -17,6 +17,7 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.conventions import FORCE_AXES
 from ship_gym.provenance import atomic_path
+from ship_gym.recording.panels import plots_meta
 from ship_gym.recording.trajectory import Trajectory, import_rerun_export
 from ship_gym.ships.particulars import Ship
 
@@ -45,6 +46,9 @@ class LiveView:
         (``run.rrd``, ``run_2.rrd``, ...), which is there when the episode is closed; or the address
         of a viewer, ``"rerun+http://host:9876/proxy"``.
 
+    plots : sequence, optional
+        Of the task's own columns, see ``panels.plots_meta``.
+
     Raises
     ------
     ConfigError
@@ -55,10 +59,16 @@ class LiveView:
         At once or at the first row, if no viewer can be opened or reached.
     """
 
-    def __init__(self, ship: Ship, title: str, sink: str | os.PathLike | None = None):
+    def __init__(
+        self,
+        ship: Ship,
+        title: str,
+        sink: str | os.PathLike | None = None,
+        plots: Sequence[tuple[str, str, Sequence[str]]] = (),
+    ):
         self._sink = _checked_sink(sink)
         self._rerun = import_rerun_export()
-        self._ship, self._title = ship, title
+        self._ship, self._title, self._plots = ship, title, plots_meta(plots)
         force = _FORCE * 0.5 * ship.rho * ship.hull.L * ship.hull.d * ship.speed**2
         self._largest = {"X": force, "Y": force, "N": force * ship.hull.L}
         self._episode = 0
@@ -118,6 +128,7 @@ class LiveView:
         self._rows = np.zeros((256, len(self._names)))
         self._count, self._seen, self._half = 0, (), 0.0
         self._meta = {"task": self._title, "ship": _drawn(self._ship), "episode": self._episode}
+        self._meta |= self._plots
         if track is not None:
             self._meta["waypoints"] = np.asarray(track).tolist()
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -36,13 +37,21 @@ class Panel:
     series: list[Series]
 
 
-def steering_panels(columns: Columns) -> list[Panel]:
-    """Heading, heading error, rudder, propeller speed and cross-track error.
+def plots_meta(plots: Sequence[tuple[str, str, Sequence[str]]]) -> dict[str, list]:
+    """Plots of a task (name, title, columns) as an entry of a recording's meta; none: no entry."""
+    found = [[name, title, list(columns)] for name, title, columns in plots]
+    return {"plots": found} if found else {}
+
+
+def steering_panels(columns: Columns, meta: Mapping[str, Any] | None = None) -> list[Panel]:
+    """Heading, heading error, rudder, propeller speed, and what the meta says of the task's own.
 
     Parameters
     ----------
     columns : mapping of str to numpy.ndarray
         Columns of a trajectory, shape (T,), SI units, angles in rad.
+    meta : mapping, optional
+        Of the trajectory; ``plots`` of it, see `plots_meta`.
 
     Returns
     -------
@@ -54,7 +63,10 @@ def steering_panels(columns: Columns) -> list[Panel]:
         Panel("plots/heading_error", "Heading error [deg]", _heading_error(columns)),
         _pair(columns, "plots/rudder", "Rudder [deg]", "delta", 180.0 / np.pi),
         _pair(columns, "plots/rpm", "Propeller [rpm]", "n", 60.0),
-        Panel("plots/cross_track", "Cross-track error [m]", _plain(columns, "cross_track_error")),
+        *(
+            Panel(f"plots/{name}", title, _plain(columns, *names))
+            for name, title, names in (meta or {}).get("plots", ())
+        ),
     )
 
 

@@ -76,6 +76,14 @@ class Metric(NamedTuple):
     better: str
 
 
+class Plot(NamedTuple):
+    """A plot of the task's own in a recording: a name, a title with the unit, columns over time."""
+
+    name: str
+    title: str
+    columns: tuple[str, ...]
+
+
 class Moment(NamedTuple):
     """What the picture of a page shows: who steers, which episode, after how many intervals."""
 
@@ -235,6 +243,8 @@ class Task:
         ship, the `history` by name, each (T,), and the plan of the episode.
     meta : callable
         ``meta(plan)``: further entries of the meta of a recording.
+    plots : tuple of Plot
+        Of its columns, in a recording.
     metrics : mapping
         Name to `Metric` of the task's own, in the order of a table.
     measure : callable or None
@@ -281,6 +291,7 @@ class Task:
     history: tuple[str, ...] = ()
     columns: Callable[[Mapping, Mapping, np.ndarray], dict[str, np.ndarray]] = _nothing
     meta: Callable[[np.ndarray], dict[str, Any]] = _nothing
+    plots: tuple[Plot, ...] = ()
     metrics: Mapping[str, Metric] = dataclasses.field(default_factory=dict)
     measure: Callable[[Trajectory], dict[str, float]] | None = None
     headline: str = "return"

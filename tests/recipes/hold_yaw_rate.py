@@ -12,6 +12,7 @@ from ship_gym.tasks.api import (
     RUNNING,
     Metric,
     Outcome,
+    Plot,
     R,
     Row,
     Task,
@@ -92,6 +93,11 @@ def measure(trajectory):
     return {"rms_rate_error": math.degrees(measures.rms(trajectory["r"][1:] - order))}
 
 
+def columns(recorded, history, plan):
+    """The ordered rate [rad/s] in a recording."""
+    return {"rate_ordered": history["order"]}
+
+
 TASK = Task(
     name="hold_yaw_rate",
     title="Hold an ordered yaw rate in a seaway.",
@@ -103,6 +109,9 @@ TASK = Task(
     outcomes=(Outcome("yaw rate limit", failed=True),),
     fields=(("order", np.float64), ("limit", np.float64)),
     fill=fill,
+    history=("order",),
+    columns=columns,
+    plots=(Plot("rate", "Yaw rate [rad/s]", ("r", "rate_ordered")),),
     observe=observe,
     judge=judge,
     metrics={"rms_rate_error": Metric("deg/s", "root mean square of the error", "lower")},

@@ -16,6 +16,7 @@ from ship_gym import load_task
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import compare, metrics, rollout, table
 from ship_gym.evaluation.controller import ConstantController
+from ship_gym.recording.panels import steering_panels
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.base import Metric, Row, Term
 from ship_gym.tasks.columns import observation_columns
@@ -72,7 +73,12 @@ def test_it_is_judged_by_its_own_metrics_and_recorded(task):
     assert good < 0.12 and bad > 1.5 * good
     text = table(compare(sailed))
     assert "rms_rate_error" in text and "rudder_travel" in text and "J_0.1" not in text
-    assert sailed[0].trajectory(0).meta["task"] == "hold_yaw_rate"
+    run = sailed[0].trajectory(0)
+    assert run.meta["task"] == "hold_yaw_rate"
+    assert run["rate_ordered"] == pytest.approx(np.radians(0.3))
+    (panel,) = (p for p in steering_panels(run.columns, run.meta) if p.path == "plots/rate")
+    assert panel.title == "Yaw rate [rad/s]"
+    assert [series.label for series in panel.series] == ["r", "rate_ordered"]
 
 
 def test_a_limit_of_its_own_ends_an_episode(task):
@@ -112,7 +118,7 @@ def test_wrong_tasks_are_refused_and_leave_nothing_behind(task):
         ({"name": "heading_calm"}, "a scenario of the package has that name"),
         ({"name": "hold__yaw_rate"}, "has the class name of 'hold_yaw_rate'"),
         ({"headline": "rms_rate"}, "did you mean 'rms_rate_error'"),
-        ({"metrics": {"rms_rate_error": Metric("-", "", "small")}}, "unknown `better`.*higher, lower"),
+        ({"metrics": {"rms_rate_error": Metric("-", "", "small")}}, "Known: higher, lower"),
         ({"metrics": {"energy": Metric("-", "", "lower")}}, "metric 'energy': that is a metric of"),
         ({"terms": (Term("rudder", "x", "y"),)}, "term 'rudder': that is a cost term"),
         ({"fields": (("L", float),)}, "field 'L': that is a term or a common field"),

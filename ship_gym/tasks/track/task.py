@@ -8,7 +8,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import wrap_angle
-from ship_gym.tasks.base import Moment, Task
+from ship_gym.tasks.base import Moment, Plot, Task
 from ship_gym.tasks.track import NAME, VERSION, kernels
 from ship_gym.tasks.track.metrics import METRICS, measure
 from ship_gym.tasks.track.plan import Tracks
@@ -98,6 +98,7 @@ TASK = Task(
     history=("psi_ordered", "active"),
     columns=columns,
     meta=meta,
+    plots=(Plot("cross_track", "Cross-track error [m]", ("cross_track_error",)),),
     metrics=METRICS,
     measure=measure,
     headline="rms_cross_track",
