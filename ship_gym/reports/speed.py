@@ -20,7 +20,8 @@ from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.envs.vector_env import ShipVectorEnv
 from ship_gym.provenance import provenance
 from ship_gym.sea.state import load_sea
-from ship_gym.ships.loader import load_ship
+from ship_gym.ships.loader import Named, available_surrogates, load_ship
+from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim
 from ship_gym.text import table
 
@@ -70,10 +71,14 @@ def best_of(call: Callable[[int], Any], repeats: int, seconds: float) -> dict[st
 
 
 def physics_step(
-    n: int, parallel: bool, surrogate: str | None = None, sea: str = "disturbed_current"
+    n: int,
+    parallel: bool,
+    surrogate: str | None = None,
+    sea: str = "disturbed_current",
+    ship: Named | Ship = "kcs",
 ) -> Callable[[int], Any]:
-    """One ``ShipSim.step`` of n KCS by one control interval (1 s) under random commands."""
-    ship = load_ship("kcs", surrogate=surrogate)
+    """One ``ShipSim.step`` of n ships by one control interval (1 s) under random commands."""
+    ship = load_ship(ship, surrogate=surrogate)
     sim = ShipSim(ship, n, load_sea(sea), parallel)
     sim.reset(0)
     rudder = np.random.default_rng(0).uniform(-1.0, 1.0, (_PREPARED, n)) * ship.gear.delta_max
@@ -105,33 +110,46 @@ def scalar_step(env: gym.Env) -> Callable[[int], Any]:
     return step
 
 
-def jobs(counts: tuple[int, ...] = COUNTS) -> Iterator[tuple[str, int, Callable[[], Callable]]]:
-    """What is timed: name, number of ships or environments, and how to make the call."""
+def jobs(
+    counts: tuple[int, ...] = COUNTS, **env: Any
+) -> Iterator[tuple[str, int, Callable[[], Callable]]]:
+    """What is timed: name, number of ships or environments, and how to make the call.
+
+    Parameters
+    ----------
+    counts : tuple of int
+    **env
+        Arguments of ``ShipEnv``, of the environments that are timed; the ship of the physics too.
+    """
+    ship = env.get("ship") or "kcs"
+    wavy = bool(load_ship(ship).wave_table)
     for n in counts:
         for mode, parallel in (("serial", False), ("parallel", True)):
-            yield f"ShipSim.step, {mode}", n, lambda n=n, p=parallel: physics_step(n, p)
-        for mode, parallel in (("serial", False), ("parallel", True)):
+            yield f"ShipSim.step, {mode}", n, lambda n=n, p=parallel: physics_step(n, p, ship=ship)
+        for mode, parallel in (("serial", False), ("parallel", True)) if wavy else ():
             yield (
                 f"ShipSim.step in waves, {mode}",
                 n,
-                lambda n=n, p=parallel: physics_step(n, p, sea=SEA),
+                lambda n=n, p=parallel: physics_step(n, p, sea=SEA, ship=ship),
             )
         for mode, parallel in (("serial", False), ("parallel", True)):
             yield (
                 f"ShipVectorEnv.step, {mode}",
                 n,
-                lambda n=n, p=parallel: vector_step(SHIP_ENV, n, parallel=p),
+                lambda n=n, p=parallel: vector_step(SHIP_ENV, n, parallel=p, **env),
             )
         yield f"{YARDSTICK} vector step", n, lambda n=n: vector_step(YARDSTICK, n)
-    for surrogate in ("none", "gp"):
+    known = available_surrogates(ship)
+    for surrogate in (name for name in ("none", "gp") if name in known):
         name = "analytic MMG rudder" if surrogate == "none" else f"surrogate {surrogate}"
         yield (
             f"ShipSim.step, serial, {name}",
             _COMPARED,
-            lambda s=surrogate: physics_step(_COMPARED, False, s),
+            lambda s=surrogate: physics_step(_COMPARED, False, s, ship=ship),
         )
-    for env_id, scenario in ENVIRONMENTS.items():
-        yield f"{env_id} step", 1, lambda s=scenario: scalar_step(ShipEnv(scenario=s))
+    named = {env_id: {"scenario": scenario} for env_id, scenario in ENVIRONMENTS.items()}
+    for name, given in ({"environment": {}} if "scenario" in env else named).items():
+        yield f"{name} step", 1, lambda given=given: scalar_step(ShipEnv(**env | given))
     yield f"gym.make({YARDSTICK}).step", 1, lambda: scalar_step(gym.make(YARDSTICK))
 
 
@@ -142,7 +160,7 @@ def measure(job: tuple[str, int, Callable[[], Callable]], repeats: int, seconds:
     return {"name": name, "n": n, **found, "steps_per_second": n / found["seconds"]}
 
 
-def overhead(scenario: str, n: int, repeats: int) -> dict[str, Any]:
+def overhead(scenario: Any, n: int, repeats: int, **env: Any) -> dict[str, Any]:
     """What a vector environment costs beside its physics, one thread, in turns.
 
     Returns
@@ -151,9 +169,9 @@ def overhead(scenario: str, n: int, repeats: int) -> dict[str, Any]:
         ``physics`` and ``step`` [s] of one step of all n ships, processor time, best of `repeats`;
         ``percent``, 100 (step - physics) / physics.
     """
-    envs = ShipVectorEnv(n, scenario=scenario, parallel=False)
+    envs = ShipVectorEnv(n, scenario=scenario, parallel=False, **env)
     envs.reset(seed=0)
-    actions = np.zeros((n, 1))
+    actions = np.zeros(envs.action_space.shape)
     calls = (envs.episodes.sim.advance, lambda: envs.step(actions))
     times: tuple[list[float], list[float]] = ([], [])
     for _ in range(repeats + 1):
@@ -163,7 +181,7 @@ def overhead(scenario: str, n: int, repeats: int) -> dict[str, Any]:
             found.append(time.process_time() - start)
     physics, step = (min(found[1:]) for found in times)
     percent = 100.0 * (step / physics - 1.0)
-    return {"scenario": scenario, "n": n, "physics": physics, "step": step, "percent": percent}
+    return {"scenario": str(scenario), "n": n, "physics": physics, "step": step, "percent": percent}
 
 
 def start_times(cold: bool = True) -> dict[str, float]:

@@ -355,6 +355,17 @@ def test_train_then_what_it_says_comes_next(cli):
     assert code == 2 and "leave out: ship" in err
 
 
+def test_speed_of_an_own_ship_in_an_own_task(cli, ship_file):
+    own = ["--ship", ship_file, "--task", OWN_TASK, "--set", "sea.states=[]", "sea.gusts=false"]
+    code, out, err = cli("speed", "--quick", "--json", *own)
+    assert code == 0, err
+    found = json.loads(out)
+    names = {row["name"] for row in found["steps"]}
+    assert {"environment step", "ShipVectorEnv.step, serial"} <= names
+    assert [row["scenario"] for row in found["overhead"]] == ["hold_yaw_rate"]
+    assert cli("speed", "--quick", "--ship", "nothing.toml")[0] == 2
+
+
 def test_every_kind_of_name_has_some():
     assert all(names() for names in NAMES.values())
 

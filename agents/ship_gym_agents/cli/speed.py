@@ -4,25 +4,32 @@ from __future__ import annotations
 
 import click
 
-from ship_gym_agents.cli.options import verb
+from ship_gym_agents.cli.options import environment, verb
 
 
 @verb(
     "            # about a minute, compiles once from nothing",
     "--quick     # seconds; less steady, no compilation",
+    "--ship my_ship.toml --scenario heading_calm --quick",
     "--json > runs/speed.json",
 )
+@environment("heading_keeping, kcs, rudder")
 @click.option("--quick", is_flag=True, help="Short repeats, no compilation time.")
-def command(as_json, quick) -> None:
+def command(as_json, quick, task, **options) -> None:
     """Measure how fast physics and environments step, beside Gymnasium's CartPole."""
     from ship_gym.reports import speed
     from ship_gym_agents.cli.output import progress, show
+    from ship_gym_agents.cli.sailing import own_task, resolved, wanted
 
+    name = own_task(task)
+    env = wanted(options, name)
+    resolved(env, name)
     repeats, seconds = (2, 0.03) if quick else (7, 0.4)
-    jobs = list(speed.jobs())
+    jobs = list(speed.jobs(**env))
     steps = [speed.measure(job, repeats, seconds) for job in progress(jobs, "measuring")]
     n, repeats = (64, 3) if quick else (4096, 30)
-    overhead = [speed.overhead(name, n, repeats) for name in speed.COMPARED]
+    scenarios = [env.pop("scenario")] if "scenario" in env else speed.COMPARED
+    overhead = [speed.overhead(scenario, n, repeats, **env) for scenario in scenarios]
     start = speed.start_times(cold=not quick)
     data = {"machine": speed.machine(), "steps": steps, "overhead": overhead, "start": start}
     show(as_json, data, speed.as_text(data))
