@@ -217,7 +217,7 @@ def test_two_resets_in_a_row_show_the_second_episode(tmp_path, monkeypatch):
     shown = []
 
     class View:
-        def __init__(self, ship, title):
+        def __init__(self, ship, title, plots=()):
             self.open = False
 
         def show(self, row, track):
