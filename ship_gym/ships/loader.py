@@ -25,6 +25,14 @@ from ship_gym.csv_file import read_csv
 from ship_gym.provenance import sha256
 from ship_gym.ships.b_series import b_series
 from ship_gym.ships.estimators import estimated_hull
+from ship_gym.ships.files import (
+    Named,
+    base_of,
+    check_chain,
+    file_of,
+    name_of,
+    text_of,
+)
 from ship_gym.ships.open_water import open_water_table
 from ship_gym.ships.particulars import (
     Engine,
@@ -43,8 +51,6 @@ from ship_gym.ships.records import numbered
 from ship_gym.ships.scaling import scaled
 from ship_gym.tables import Table
 
-DATA = Path(__file__).parent / "data"
-Named = str | os.PathLike  # a ship of the package by name, or a ship file by its path
 _SECTIONS = {
     "hull": Hull,
     "propeller": Propeller,
@@ -71,24 +77,19 @@ _SAME_SHIP = 0.02  # of D / L: rounding of printed particulars
 FORMULAS = ("none", "beaufoy")
 
 
-def available_ships() -> list[str]:
-    """Names of the ships that come with the package."""
-    return sorted(path.parent.name for path in DATA.glob("*/ship.toml"))
-
-
 def available_variants(ship: Named) -> list[str]:
     """Hull variants of a ship beside its default, e.g. ``["hull_a", "hull_c"]``."""
-    path = _file(ship)
-    base = _base(read_toml(path), path)
+    path = file_of(ship)
+    base = base_of(read_toml(path), path)
     own = sorted(found.stem for found in path.parent.glob("hull_*.toml"))
     return own + (available_variants(base) if base else [])
 
 
 def available_surrogates(ship: Named) -> list[str]:
     """Propeller and rudder surrogates of a ship; ``"none"`` (MMG rudder) and Beaufoy's first."""
-    path = _file(ship)
+    path = file_of(ship)
     data = read_toml(path)
-    if base := _base(data, path):
+    if base := base_of(data, path):
         return available_surrogates(base)
     twin = "y_P" in data.get("propeller", {})
     return [
@@ -128,7 +129,7 @@ def load_ship(
             if given is not None:
                 raise ConfigError(f"{what} = {given!r}: the ship given as an object brings its own")
         return name
-    text = _text(name)
+    text = text_of(name)
     if text.endswith(".toml"):  # a user's file may change while this process runs
         return _load.__wrapped__(text, surrogate, variant)
     return _load(text, surrogate, variant)
@@ -143,7 +144,7 @@ def load_ships(ships: Named | Ship | Sequence[Named | Ship], count: int) -> list
     """`count` ships of one given ship, or of a sequence; each different one is loaded once."""
     if isinstance(ships, str | os.PathLike | Ship):
         return [load_ship(ships)] * count
-    given = [ship if isinstance(ship, Ship) else _text(ship) for ship in ships]
+    given = [ship if isinstance(ship, Ship) else text_of(ship) for ship in ships]
     different, numbers = numbered(given)
     made = [load_ship(ship) for ship in different]
     return [made[k] for k in numbers]
@@ -151,10 +152,10 @@ def load_ships(ships: Named | Ship | Sequence[Named | Ship], count: int) -> list
 
 @lru_cache(maxsize=32)
 def _load(name: str, surrogate: str | None, variant: str | None) -> Ship:
-    path = _file(name)
+    path = file_of(name)
     data = read_toml(path)
-    if base := _base(data, path):
-        _check_chain(path)
+    if base := base_of(data, path):
+        check_chain(path)
         ship = _scaled_ship(load_ship(base, surrogate=surrogate, variant=variant), data, path)
     else:
         if variant is not None:
@@ -162,58 +163,9 @@ def _load(name: str, surrogate: str | None, variant: str | None) -> Ship:
             data = merged(data, read_toml(path.with_name(f"{variant}.toml")))
         ship = _ship(data, path)
         ship = _with_surrogate(ship, data, path.parent, name, surrogate)
-    ship = dataclasses.replace(ship, name=_name_of(path))
+    ship = dataclasses.replace(ship, name=name_of(path))
     check_sections(ship)
     return ship
-
-
-def _text(name: Named) -> str:
-    """Name or path of a ship as text."""
-    if not isinstance(name, str | os.PathLike):
-        raise ConfigError(f"ship = {name!r}: must be a name, the path of a ship file or a Ship")
-    return os.fspath(name)
-
-
-def _name_of(path: Path) -> str:
-    """Name of the ship in a file; not that of a ship of the package, whose gains are not its."""
-    path = path.resolve()
-    name = path.parent.name if path.stem == "ship" else path.stem
-    own = path.parent.parent != DATA.resolve()
-    return f"own_{name}" if own and name in available_ships() else name
-
-
-def _file(name: Named) -> Path:
-    """The ship file of a ship of the package, or the one that is named."""
-    name = _text(name)
-    if name.endswith(".toml"):
-        return Path(name)
-    if len(Path(name).parts) > 1:
-        raise ConfigError(f"ship = {name!r}: a ship file ends in .toml, as in 'mine/ship.toml'")
-    return DATA / check_known("ship", name, available_ships()) / "ship.toml"
-
-
-def _base(data: Mapping[str, Any], path: Path) -> str | None:
-    """Name or path of the ship that a file scales; a path counts from the file's folder."""
-    base = data.get("scaled_from")
-    if base is None:
-        return None
-    if not isinstance(base, str):
-        raise ConfigError(f"{path}: scaled_from = {base!r}: must be a name or a ship file")
-    if not base.endswith(".toml"):
-        return base
-    return str(path.parent / base)
-
-
-def _check_chain(path: Path) -> None:
-    """Refuse files that scale each other in a circle."""
-    seen: list[Path] = []
-    while path is not None:
-        if path.resolve() in seen:
-            circle = " -> ".join(str(one) for one in (*seen, path.resolve()))
-            raise ConfigError(f"{seen[0]}: scaled_from goes in a circle: {circle}")
-        seen.append(path.resolve())
-        base = _base(read_toml(path), path)
-        path = None if base is None else _file(base)
 
 
 def _ship(data: Mapping[str, Any], path: Path) -> Ship:
@@ -239,7 +191,7 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
     }
     trials = tuple(build(Trial, trial, f"{path}: trial") for trial in data.get("trial", []))
     return Ship(
-        name=_name_of(path),
+        name=name_of(path),
         title=data["title"],
         status=data["status"],
         open_water=_open_water(data["open_water"], path, reader),
@@ -256,7 +208,7 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
 
 def _wave_table(path: Path) -> str:
     """Path of the wave table beside a ship file, of this ship or of all; empty without one."""
-    for name in (f"waves_{_name_of(path)}.npz", "waves.npz"):
+    for name in (f"waves_{name_of(path)}.npz", "waves.npz"):
         found = path.resolve().with_name(name)
         if found.is_file():
             return str(found)
