@@ -30,7 +30,7 @@ _PUBLIC = {
     "action_columns": "ship_gym.tasks.columns",
     "available_scenarios": "ship_gym.scenarios.scenario",
     "available_seas": "ship_gym.sea.state",
-    "available_ships": "ship_gym.ships.loader",
+    "available_ships": "ship_gym.ships.files",
     "available_surrogates": "ship_gym.ships.loader",
     "load_scenario": "ship_gym.scenarios.scenario",
     "load_sea": "ship_gym.sea.state",

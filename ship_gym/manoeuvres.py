@@ -14,7 +14,8 @@ from ship_gym.provenance import provenance
 from ship_gym.recording.about import ship_meta
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.sea.state import CALM, Sea
-from ship_gym.ships.loader import Named, load_ship
+from ship_gym.ships.files import Named
+from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship, Trial
 from ship_gym.simulation import ShipSim, history_columns, self_propulsion, through_water
 

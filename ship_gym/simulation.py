@@ -31,7 +31,8 @@ from ship_gym.physics.step import see_waves, step_batch, step_batch_parallel
 from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_waves
 from ship_gym.sea.records import Waters, set_phases, waters
 from ship_gym.sea.state import CALM, Sea
-from ship_gym.ships.loader import Named, load_ship, load_ships
+from ship_gym.ships.files import Named
+from ship_gym.ships.loader import load_ship, load_ships
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet, numbered
 

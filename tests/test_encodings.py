@@ -9,7 +9,8 @@ from ship_gym_agents.pid import gains_path, load_gains
 
 from ship_gym.config import ConfigError
 from ship_gym.scenarios.scenario import load_scenario
-from ship_gym.ships.loader import DATA, load_ship
+from ship_gym.ships.files import DATA
+from ship_gym.ships.loader import load_ship
 from ship_gym.surrogates.own import own_data_set
 from ship_gym.surrogates.samples import DATA as SAMPLES
 from ship_gym.tracks import load_track

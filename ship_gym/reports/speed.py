@@ -20,7 +20,8 @@ from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.envs.vector_env import ShipVectorEnv
 from ship_gym.provenance import provenance
 from ship_gym.sea.state import load_sea
-from ship_gym.ships.loader import Named, available_surrogates, load_ship
+from ship_gym.ships.files import Named
+from ship_gym.ships.loader import available_surrogates, load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim
 from ship_gym.text import table

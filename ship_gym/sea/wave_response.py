@@ -12,7 +12,8 @@ from ship_gym.config import ConfigError
 from ship_gym.conventions import G
 from ship_gym.sea.components import WaveComponents
 from ship_gym.sea.wave_table import MODES, WaveTable
-from ship_gym.ships.loader import Named, available_ships, load_ship
+from ship_gym.ships.files import Named, available_ships
+from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 
 N_WAVE = 6  # numbers of one wave, see ``physics.waves``

@@ -34,7 +34,8 @@ from ship_gym.seakeeping.radiation_diffraction import (
 )
 from ship_gym.seakeeping.snnm import added_resistance, snnm_hull
 from ship_gym.seakeeping.table_checks import uncertainty
-from ship_gym.ships.loader import Named, load_ship
+from ship_gym.ships.files import Named
+from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 
 _VOLUME_TOLERANCE = 0.05

@@ -15,7 +15,8 @@ from ship_gym.seakeeping.hull_checks import check_mesh, check_panels, check_plac
 from ship_gym.seakeeping.hull_mesh import HullMesh, starboard_half, welded
 from ship_gym.seakeeping.hull_sections import coarsened
 from ship_gym.seakeeping.hydrostatics import hydrostatics
-from ship_gym.ships.loader import Named, load_ship
+from ship_gym.ships.files import Named
+from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 
 _DIRECTIONS = {"+x": 0, "-x": 0, "+y": 1, "-y": 1, "+z": 2, "-z": 2}

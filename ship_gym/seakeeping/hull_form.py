@@ -24,7 +24,8 @@ from ship_gym.config import ConfigError
 from ship_gym.seakeeping.bulb import Bulb, ship_bulb
 from ship_gym.seakeeping.form_curves import Curve, CurveEnd, fitted_curve
 from ship_gym.seakeeping.hull_mesh import HullMesh, divided, mesh_from_sections
-from ship_gym.ships.loader import Named, load_ship
+from ship_gym.ships.files import Named
+from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 
 STATIONS, GIRTH = 44, 8  # panels along and around the half hull

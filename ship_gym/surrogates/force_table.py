@@ -10,7 +10,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ship_gym.provenance import provenance, sha256
-from ship_gym.ships.loader import Named, bare
+from ship_gym.ships.files import Named
+from ship_gym.ships.loader import bare
 from ship_gym.ships.open_water import EPSILON, coefficients, starred
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import CHANNELS, STD_CHANNELS, surrogate_names

@@ -29,7 +29,8 @@ import numpy as np
 
 from ship_gym.config import ConfigError, check_known, check_number
 from ship_gym.csv_file import CsvTable, read_csv
-from ship_gym.ships.loader import Named, bare
+from ship_gym.ships.files import Named
+from ship_gym.ships.loader import bare
 from ship_gym.ships.particulars import Ship
 from ship_gym.surrogates.row_checks import check_columns, check_rows, lines
 from ship_gym.surrogates.samples import LEEWARD, SINGLE, WINDWARD, DataSet

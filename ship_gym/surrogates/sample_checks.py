@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.ships.loader import Named, bare
+from ship_gym.ships.files import Named
+from ship_gym.ships.loader import bare
 from ship_gym.ships.open_water import coefficients
 from ship_gym.ships.particulars import Ship
 from ship_gym.surrogates.fit import Options

@@ -12,7 +12,8 @@ from ship_gym.csv_file import read_csv
 from ship_gym.plotting.loading import plot_loading, propeller_loading, straight_ahead
 from ship_gym.reports.case import sail
 from ship_gym.reports.manoeuvre import title
-from ship_gym.ships.loader import DATA, load_ship
+from ship_gym.ships.files import DATA
+from ship_gym.ships.loader import load_ship
 from ship_gym.simulation import self_propulsion
 
 

@@ -12,7 +12,8 @@ from ship_gym.plotting.figure import picture
 from ship_gym.reports.wave_table import PICTURES
 from ship_gym.sea.wave_table import UNCERTAINTY, WaveTable
 from ship_gym.seakeeping.hull_form import parametric_mesh
-from ship_gym.ships.loader import DATA, load_ship
+from ship_gym.ships.files import DATA
+from ship_gym.ships.loader import load_ship
 
 FILE = DATA / "kcs_model" / "waves.npz"
 TABLE = WaveTable.load(FILE)

@@ -5,7 +5,8 @@ import gymnasium as gym
 import pytest
 
 import ship_gym
-from ship_gym.ships.loader import DATA, attach_surrogate
+from ship_gym.ships.files import DATA
+from ship_gym.ships.loader import attach_surrogate
 from ship_gym.surrogates.samples import DATA as POINTS
 from ship_gym.tables import Table
 

@@ -14,7 +14,8 @@ from ship_gym.config import ConfigError
 from ship_gym.evaluation import rollout
 from ship_gym.manoeuvres import imo_limits, turning_circle
 from ship_gym.seakeeping.hull_form import parametric_mesh
-from ship_gym.ships.loader import DATA, available_variants, load_ship
+from ship_gym.ships.files import DATA
+from ship_gym.ships.loader import available_variants, load_ship
 
 ROOT = Path(__file__).resolve().parents[2]
 HEADING = "ShipGym/HeadingKeeping-v0"

@@ -24,7 +24,8 @@ from ship_gym.sea.wave_table import BOUNDS, UNCERTAINTY, WaveTable
 from ship_gym.seakeeping.database import Grid
 from ship_gym.seakeeping.hull_form import parametric_mesh
 from ship_gym.seakeeping.table_checks import compare_with_snnm
-from ship_gym.ships.loader import DATA, load_ship
+from ship_gym.ships.files import DATA
+from ship_gym.ships.loader import load_ship
 from ship_gym.simulation import self_propulsion
 
 FILE = DATA / "kcs_model" / "waves.npz"

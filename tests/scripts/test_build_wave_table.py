@@ -16,7 +16,7 @@ from ship_gym.sea.wave_table import WaveTable
 from ship_gym.seakeeping import database, hull_form
 from ship_gym.seakeeping.database import Grid
 from ship_gym.seakeeping.hull_form import parametric_mesh
-from ship_gym.ships.loader import DATA
+from ship_gym.ships.files import DATA
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 NAME = "build_wave_table.py"

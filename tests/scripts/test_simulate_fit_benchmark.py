@@ -12,7 +12,8 @@ import pytest
 
 from ship_gym.config import ConfigError
 from ship_gym.reports.page import Picture
-from ship_gym.ships.loader import DATA, attach_surrogate, load_ship
+from ship_gym.ships.files import DATA
+from ship_gym.ships.loader import attach_surrogate, load_ship
 from ship_gym.surrogates.samples import KCS
 from ship_gym.tables import Table
 

@@ -14,7 +14,7 @@ import pytest
 from ship_gym_agents.cli import VERBS, load_verb, main
 from ship_gym_agents.cli.names import NAMES
 
-from ship_gym.ships.loader import DATA
+from ship_gym.ships.files import DATA
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = {verb: verb.replace("-", "_") for verb in VERBS if verb not in ("list", "completion")}

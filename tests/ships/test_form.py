@@ -6,7 +6,7 @@ import pytest
 
 from ship_gym.config import ConfigError
 from ship_gym.ships import available_ships, load_ship, scaled
-from ship_gym.ships.loader import DATA
+from ship_gym.ships.files import DATA
 from ship_gym.ships.particulars import HullForm, check_sections
 from ship_gym.ships.scaling import _POWERS
 

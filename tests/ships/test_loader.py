@@ -7,7 +7,8 @@ import pytest
 
 from ship_gym.config import ConfigError
 from ship_gym.ships import available_surrogates, available_variants, load_ship
-from ship_gym.ships.loader import DATA, attach_surrogate, with_beaufoy
+from ship_gym.ships.files import DATA
+from ship_gym.ships.loader import attach_surrogate, with_beaufoy
 
 
 def test_every_number_has_a_source(ship):

@@ -6,7 +6,7 @@ import pytest
 from ship_gym.csv_file import read_csv
 from ship_gym.ships import load_ship
 from ship_gym.ships.b_series import b_series
-from ship_gym.ships.loader import DATA
+from ship_gym.ships.files import DATA
 from ship_gym.ships.open_water import continued, starred
 
 

@@ -110,7 +110,8 @@ def _existing(asked: Asked) -> Made:
     """The table of ``--from``."""
     from ship_gym.config import ConfigError
     from ship_gym.sea.wave_table import WaveTable
-    from ship_gym.ships.loader import available_ships, load_ship
+    from ship_gym.ships.files import available_ships
+    from ship_gym.ships.loader import load_ship
 
     if asked.out or asked.quick or asked.froude is not None:
         raise ConfigError("--from reads a table: --out, --quick and --froude belong to computing")

@@ -88,7 +88,8 @@ class Asked:
 def _install(folder: Path) -> list[str]:
     """Fit and write every table that comes with the package."""
     from ship_gym.reports.surrogate import SHIPPED
-    from ship_gym.ships.loader import DATA, load_ship
+    from ship_gym.ships.files import DATA
+    from ship_gym.ships.loader import load_ship
     from ship_gym.surrogates.fit import Options, fit
     from ship_gym.surrogates.force_table import table_of
     from ship_gym.surrogates.samples import DATA_SETS

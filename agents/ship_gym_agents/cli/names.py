@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 def ships() -> list[str]:
     """Ships of the package."""
-    from ship_gym.ships.loader import available_ships
+    from ship_gym.ships.files import available_ships
 
     return available_ships()
 

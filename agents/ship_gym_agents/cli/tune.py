@@ -51,7 +51,8 @@ def command(as_json, task, resume, out, ship, **options) -> None:
 def _ships(ship: str | None, out: Any) -> dict[str, Any]:
     """Ship -> file of its gains; refused now if it is no ship or the file has no place."""
     from ship_gym.config import ConfigError
-    from ship_gym.ships.loader import available_ships, load_ship
+    from ship_gym.ships.files import available_ships
+    from ship_gym.ships.loader import load_ship
     from ship_gym_agents.pid import place_for_gains
 
     everyone = ship in (None, "all")
