@@ -92,7 +92,7 @@ class Weathers:
         records = self.water.records[which]
         if self.changes:
             state, height, wind, towards = uniform[:, N_CURRENT:].T
-            pick = np.minimum((state * len(self._choices)).astype(int), len(self._choices) - 1)
+            pick = (state * len(self._choices)).astype(int)  # state is below 1
             records = self._templates.records[self._row[which] + pick]
             waves_to = self._direction(self.sea.wave_encounter_deg, psi, towards)
             self._set_waves(which, pick, height, waves_to, tasks)

@@ -5,6 +5,8 @@ from ship_gym_agents.pid import PID, Gains, load_gains
 from ship_gym_agents.tune import (
     STRUCTURES,
     Tuned,
+    _from_unit,
+    _to_unit,
     episode_costs,
     gains_file,
     is_tuned,
@@ -35,6 +37,16 @@ def test_costs_of_tuning_are_those_of_the_metrics():
         expected = [metrics(t)["J_0.1"] for t in sailed.episodes]
         assert episode_costs(sailed) == pytest.approx(expected, rel=1e-12)
     assert control_cost(np.radians([3.0, 4.0]), np.zeros(2), 1.0) == pytest.approx(12.5)
+
+
+def test_gains_as_shares_of_their_ranges():
+    """Linear from 0 or below on, logarithmic above; limited to the range, and back again."""
+    free = ("K_p", "K_d", "K_v")
+    values = [2.0, 2.5, -2.0]
+    shares = _to_unit(values, free)
+    assert shares == pytest.approx([0.5, 0.25, 0.5])  # K_p from 0.2 to 20
+    assert _from_unit(shares, free) == pytest.approx(values)
+    assert _to_unit([0.01, 99.0, 0.0], free) == pytest.approx([0.0, 1.0, 8.0 / 12.0])
 
 
 @pytest.mark.parametrize("values", [{"K_p": 3.0, "K_d": 2.0}, OBSERVED], ids=["PD", "observer"])

@@ -147,6 +147,17 @@ def test_gains_of_each_episode():
     assert together[1, 0] != together[1, 1]
 
 
+def test_low_pass_by_hand():
+    """Share 1 - exp(-step / T) of each change; an order that changes is no motion."""
+    low = LowPass(T_psi=1.0, T_r=2.0, T_v=4.0).start(1, 0.5)
+    first = low(*(np.array([x]) for x in (0.1, 0.2, 0.3)), None, 0.0)
+    assert [float(x[0]) for x in first[:3]] == pytest.approx([0.1, 0.2, 0.3]) and first[3] == 0.0
+    psi, r, v, _ = low(*(np.array([x]) for x in (0.3, 0.6, -0.5)), None, 0.05)
+    assert psi[0] == pytest.approx(0.15 + (1.0 - math.exp(-0.5)) * 0.15)
+    assert r[0] == pytest.approx(0.2 + (1.0 - math.exp(-0.25)) * 0.4)
+    assert v[0] == pytest.approx(0.3 - (1.0 - math.exp(-0.125)) * 0.8)
+
+
 def test_wrong_filters_are_refused():
     with pytest.raises(ConfigError, match=r"low_pass.T_r = -1"):
         LowPass(0.0, -1.0, 0.0)

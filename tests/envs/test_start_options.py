@@ -180,6 +180,9 @@ def test_max_episode_steps_beside_a_shorter_duration_is_refused():
     for make in (gym.make, gym.make_vec):
         with pytest.raises(ConfigError, match=r"max_episode_steps = 5000 and overrides"):
             make(HEADING, max_episode_steps=5000, overrides={"duration": 100.0})
+    for steps in (100, 50):  # as long, or shorter
+        env = gym.make(HEADING, max_episode_steps=steps, overrides={"duration": 100.0})
+        assert env.unwrapped.scenario.steps == steps
     assert gym.make(HEADING, max_episode_steps=-1).unwrapped.scenario.steps == 600
 
 

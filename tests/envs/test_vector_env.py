@@ -145,6 +145,16 @@ def test_the_action_of_an_ended_episode_is_not_used():
     env.step(np.full((2, 1), np.nan))
 
 
+def test_infos_of_a_masked_reset_are_zero_for_the_others():
+    env = ship_gym.ShipVectorEnv(3, autoreset_mode="Disabled")
+    env.reset(seed=1)
+    env.step(np.ones((3, 1)))
+    _, info = env.reset(options={"reset_mask": np.array([False, True, False])})
+    assert info["_psi_ordered"].tolist() == [False, True, False]
+    assert info["psi_ordered"][[0, 2]].tolist() == [0.0, 0.0] and info["psi_ordered"][1] != 0.0
+    assert (info["forces"]["hull"][[0, 2]] == 0.0).all()
+
+
 def test_pickling():
     env = ship_gym.ShipVectorEnv(4)
     env.reset(seed=0)

@@ -112,6 +112,11 @@ def test_current_is_recorded_as_it_flows():
 def test_seed_ranges_do_not_overlap():
     assert evaluation_seeds(3) == [EVALUATION_SEED + k for k in range(3)]
     assert tuning_seeds(2) == [TUNING_SEED, TUNING_SEED + 1]
+    assert evaluation_seeds(1) == [EVALUATION_SEED] and tuning_seeds(1) == [TUNING_SEED]
+    assert len(evaluation_seeds(10**6)) == 10**6
+    for n in (0, 10**6 + 1):
+        with pytest.raises(ConfigError, match=f"episodes = {n}: allowed is 1 to 1e"):
+            evaluation_seeds(n)
     assert 0 < TUNING_SEED < EVALUATION_SEED
     with pytest.raises(ConfigError, match="episodes"):
         tuning_seeds(EVALUATION_SEED - TUNING_SEED + 1)

@@ -5,7 +5,7 @@ import zipfile
 import numpy as np
 import pytest
 from ship_gym_agents.sb3.config import config_for, load_config, load_hyperparameters, run_config
-from ship_gym_agents.sb3.policy import load_policy, save_policy
+from ship_gym_agents.sb3.policy import Normaliser, load_policy, save_policy
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController, Controller
@@ -298,3 +298,9 @@ def test_half_a_minute_of_training_beats_doing_nothing(tmp_path):
     assert card["best"]["success"] == 1.0
     assert nothing.terminated.mean() > 0.5
     assert validate(policy, config.scenario)["J_0.1"] < 60.0  # doing nothing: about 1700
+
+
+def test_a_normaliser_by_hand():
+    scaled = Normaliser(np.array([1.0, 2.0]), np.array([0.5, 4.0]), 3.0)
+    found = scaled(np.array([[2.0, 0.0], [9.0, -99.0]]))
+    assert found.tolist() == [[2.0, -0.5], [3.0, -3.0]]
