@@ -55,6 +55,14 @@ def test_episode_is_that_of_the_environment_bit_for_bit(control):
         assert sailed.histories["psi_ordered"][0, i] == rows[0][2]["psi_ordered"]
 
 
+def test_a_recording_has_wind_where_there_is_some():
+    calm = {"sea.states": [], "sea.gusts": False, "duration": 10.0}
+    for more, there in (({}, False), ({"sea.wind_speed": 9.0, "sea.wind_speed_min": 9.0}, True)):
+        run = rollout(PID(GAINS), seeds=[3], overrides=calm | more).trajectory(0)
+        assert ("wind_speed" in run) == ("wind_direction_from" in run) == there
+        assert not there or (run["wind_speed"] == 9.0).all()
+
+
 def test_episode_that_terminates_is_cut_at_its_end():
     sailed = rollout(ConstantController(1.0), seeds=[0, 1, 2], overrides={"duration": 300.0})
     assert sailed.terminated.all()

@@ -15,7 +15,7 @@ from ship_gym.sea.wave_response import (
     wave_response,
     wave_table_of,
 )
-from ship_gym.sea.wave_table import BOUNDS, MODES, UNCERTAINTY, WaveTable
+from ship_gym.sea.wave_table import BOUNDS, MODES, UNCERTAINTY, WaveTable, snnm_weight
 from ship_gym.ships import available_ships, load_ship
 from ship_gym.simulation import ShipSim
 
@@ -146,3 +146,21 @@ def test_a_ship_without_a_table_says_how_to_make_one():
     ship = dataclasses.replace(load_ship("kcs"), wave_table="")
     with pytest.raises(ConfigError, match=r"kcs has no wave table.*build-wave-table --ship"):
         ShipSim(ship, 1, regular_sea(1.0, wavelength=200.0))
+
+
+@pytest.mark.parametrize(
+    ("froude", "heading_deg", "ratio", "expected"),
+    [
+        (0.1, 180.0, 0.3, 1.0),  # short waves at speed
+        (0.2, 180.0, 0.45, 0.5),  # between 0.4 and 0.5 L
+        (0.1, 120.0, 0.6, 0.0),  # long waves from ahead
+        (0.1, 30.0, 1.0, 1.0),  # following
+        (0.1, 75.0, 1.0, 0.5),  # between 60 and 90 deg
+        (0.05, 30.0, 0.2, 0.5),  # half the speed
+        (0.0, 0.0, 0.2, 0.0),  # at rest
+    ],
+)
+def test_share_of_snnm(froude, heading_deg, ratio, expected):
+    omega = math.sqrt(2.0 * math.pi / ratio)
+    found = snnm_weight(np.array([froude]), np.radians([heading_deg]), np.array([omega]))
+    assert found[0, 0, 0] == pytest.approx(expected, abs=1e-9)

@@ -4,10 +4,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from ship_gym.conventions import DELTA, N_STATES, N, U
+from ship_gym.conventions import DELTA, N_STATES, N, R, U, V
 from ship_gym.envs.env import ShipEnv
 from ship_gym.tasks import TASKS, observations_of
 from ship_gym.tasks.bridge import N_BRIDGE, record_dtype
+from ship_gym.tasks.columns import observation_columns
 from ship_gym.tasks.rewards import COSTS, Costs, costs
 
 
@@ -42,6 +43,22 @@ def test_cost_terms_by_hand(task):
 def test_failing_costs_once_and_speed_gain_is_not_paid(task):
     terms = costs(state(9.0), state(), Calm(), task, True)
     assert terms.speed_loss == 0.0 and terms.termination == -50.0
+
+
+def test_observations_are_limited_to_their_bounds():
+    env = ShipEnv(overrides={"sensors.noise": False})
+    env.reset(seed=0)
+    episodes = env.episodes
+    U0, L = episodes.tasks["speed"][0], episodes.tasks["L"][0]
+    for sign in (-1.0, 1.0):
+        episodes.sim.state[0, [U, V, R]] = 9.0 * sign * U0, 9.0 * sign * U0, 9.0 * sign * U0 / L
+        episodes.observe()
+        seen = dict(zip(observation_columns(env.scenario), episodes.observations[0], strict=True))
+        assert (seen["surge"], seen["sway"], seen["yaw_rate"]) == (
+            3.0 * sign,
+            3.0 * sign,
+            5.0 * sign,
+        )
 
 
 def test_sizes_of_every_task():

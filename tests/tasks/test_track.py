@@ -77,6 +77,17 @@ def test_a_missed_circle_is_passed_abeam():
     assert not terminated and info["leg"] == 1
 
 
+def test_given_way_points_stay_where_they_are_and_the_ship_starts_at_the_first():
+    points = [[300.0, -700.0], [2000.0, -700.0]]
+    env = ShipEnv(
+        scenario="track_following",
+        overrides=STILL | {"track.kind": "points", "track.points": points},
+    )
+    env.reset(seed=0)
+    assert env.episodes.sim.state[0, [X, Y]].tolist() == [300.0, -700.0]
+    assert env.episodes.plans[0].tolist() == points
+
+
 def test_arrival_ends_the_episode_as_a_success():
     env = corner()
     place(env, 2000.0, 100.0)
