@@ -1,6 +1,7 @@
 """Propeller and rudder kernels: printed values, limits, symmetry, continuity."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from ship_gym.physics.interpolate import cell
-from ship_gym.physics.propeller import advance_ratio
+from ship_gym.physics.propeller import advance_ratio, surrogate_blend
 from ship_gym.physics.rudder import STALL, beaufoy, normal_force, race_speed_squared
 from ship_gym.ships import available_ships, load_ship
 from ship_gym.surrogates.regression import Regression
@@ -304,3 +305,14 @@ def test_a_rudder_by_beaufoy_has_no_chordwise_force_and_takes_the_speed_only():
         assert Y == pytest.approx(-(1.0 + k.a_H) * expected * math.cos(delta), rel=1e-12)
         lever = (k.x_R + k.a_H * k.x_H) / (1.0 + k.a_H)
         assert N == pytest.approx(Y * lever, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("delta_deg", "expected"),
+    [(0.0, (0.0, 1.0)), (-17.5, (0.25, -1.0)), (35.0, (1.0, 1.0)), (40.0, (1.0, 1.0))],
+)
+def test_share_of_the_surrogate_by_the_rudder_angle(delta_deg, expected):
+    """The square of the angle over the trained one, never more than all of it."""
+    box = SimpleNamespace(delta=math.radians(35.0))
+    blend = getattr(surrogate_blend, "py_func", surrogate_blend)  # interpreted or not
+    assert blend(math.radians(delta_deg), box) == pytest.approx(expected)

@@ -162,3 +162,9 @@ def test_bad_regular_waves():
         regular_wave(0.08 * 10.0, omega_of_length(10.0))
     with pytest.raises(ConfigError, match="wavelength"):
         omega_of_length(0.0)
+
+
+@pytest.mark.parametrize("systems", [(), (WaveSystem("bretschneider", 2.0, 8.0),)])
+def test_a_count_below_one_is_refused_with_and_without_waves(systems):
+    with pytest.raises(ConfigError, match=r"waves\.count"):
+        wave_components(systems, 0)

@@ -164,3 +164,16 @@ def test_share_of_snnm(froude, heading_deg, ratio, expected):
     omega = math.sqrt(2.0 * math.pi / ratio)
     found = snnm_weight(np.array([froude]), np.radians([heading_deg]), np.array([omega]))
     assert found[0, 0, 0] == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_lookup_beyond_the_ends_holds_them():
+    table = WaveTable.load(load_ship("kcs").wave_table)
+    ends = [(axis[0], axis[-1]) for axis in (table.froude, table.omega)]
+    (slowest, fastest), (longest, shortest) = ends
+    for inside, beyond in (
+        ((fastest, 1.0, 2.0), (fastest + 0.2, 1.0, 2.0)),
+        ((slowest, 1.0, longest), (slowest, 1.0, 0.5 * longest)),
+        ((slowest, 1.0, shortest), (slowest, 1.0, 2.0 * shortest)),
+    ):
+        a, b = (table.drift(*at, model="bem") for at in (inside, beyond))
+        np.testing.assert_array_equal(a, b)
