@@ -81,3 +81,13 @@ def test_power_is_that_of_torque_and_propeller_speed_at_one_instant():
         *_, info = env.step(np.array([0.0, action]))
         assert info["power"] == pytest.approx(2.0 * math.pi * n * info["flow"]["torque"])
         assert env.episodes.sim.state[0, N] != pytest.approx(n, rel=0.01)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_actions_beyond_their_bounds_are_commands_at_the_bounds(sign):
+    env = ShipEnv(control="rudder+rpm")
+    env.reset(seed=0)
+    env.step(np.array([3.0 * sign, 3.0 * sign]))
+    rudder, propeller = env.episodes.sim.commands[0]
+    assert rudder == sign * env.ship.gear.delta_max
+    assert propeller == (env.ship.engine.n_max if sign > 0.0 else 0.0)
