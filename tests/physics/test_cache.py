@@ -161,6 +161,7 @@ def run(code, tmp_path, **environment):
 
 
 @posix
+@pytest.mark.compiled
 @pytest.mark.parametrize("home", ["missing/home", "file/home"])
 def test_without_a_usable_home_kernels_are_compiled_once(tmp_path, home):
     (tmp_path / "file").write_text("")
