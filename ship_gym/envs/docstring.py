@@ -9,6 +9,7 @@ from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.tasks import observations_of, privileged
 from ship_gym.tasks.base import Row, Task
 from ship_gym.tasks.rewards import COSTS
+from ship_gym.text import table
 
 _ACTIONS = """\
 `Box(-1, 1, (1,), float32)` for `control="rudder"`, `(2,)` for `control="rudder+rpm"`.
@@ -78,16 +79,12 @@ def docstring(task: Task) -> str:
 
 def observation_table(rows: Sequence[Row], first: int = 0) -> str:
     """Rows of an observation as a Markdown table, numbered from `first` on."""
-    lines = [
-        "| Num | Name | Symbol | Unit | Min | Max | Meaning |",
-        "| --- | --- | --- | --- | --- | --- | --- |",
+    header = ("Num", "Name", "Symbol", "Unit", "Min", "Max", "Meaning")
+    cells = [
+        (str(k), f"`{r.name}`", r.symbol, r.unit, f"{r.low:g}", f"{r.high:g}", r.meaning)
+        for k, r in enumerate(rows, start=first)
     ]
-    for k, row in enumerate(rows, start=first):
-        bounds = f"{row.low:g} | {row.high:g}"
-        lines.append(
-            f"| {k} | `{row.name}` | {row.symbol} | {row.unit} | {bounds} | {row.meaning} |"
-        )
-    return "\n".join(lines)
+    return table(header, cells, markdown=True)
 
 
 def _sections(page: str) -> dict[str, str]:

@@ -52,7 +52,8 @@ class _Tasks(Mapping):
 
     def own(self) -> list[str]:
         """Names of the package's own tasks."""
-        return [name for name in self._known if name not in self.outside()]
+        outside = self.outside()
+        return [name for name in self._known if name not in outside]
 
     def outside(self) -> dict[str, Task]:
         """Tasks from outside the package by name."""

@@ -14,6 +14,7 @@ from ship_gym.tasks.measures import (
     control_cost,
     full_scale_time,
     overshoot,
+    rms,
     settling_time,
     to_the_end,
 )
@@ -45,7 +46,7 @@ def measure(trajectory: Trajectory) -> dict[str, float]:
     delta = to_the_end(trajectory, trajectory["delta"][1:], trajectory.meta["ship"]["delta_max"])
     return {
         **{f"J_{lam:g}": float(control_cost(psi_e, delta, lam)) for lam in LAMBDAS},
-        "rms_error": math.sqrt(control_cost(psi_e, delta, 0.0)),
+        "rms_error": rms(np.degrees(psi_e)),
         "max_error": float(np.abs(np.degrees(trajectory["psi_error"])).max()),
         **_step_response(trajectory),
     }
