@@ -180,10 +180,8 @@ def open_stream(name: str, sink: str | None) -> rr.RecordingStream:
 def send(out: Output, trajectory: Trajectory) -> None:
     """Send the rows of `trajectory` that `out` does not have yet, and all views of them."""
     columns, ship = trajectory.columns, scene.ship_shape(trajectory.meta)
-    steering, motion = (
-        steering_panels(columns, trajectory.meta),
-        motion_panels(columns, out.largest),
-    )
+    steering = steering_panels(columns, trajectory.meta)
+    motion = motion_panels(columns, out.largest)
     views = [rrb.TextDocumentView(origin="/about", name="About")]
     _log_record(out, trajectory)
     if {"x", "y", "psi"} <= columns.keys():
