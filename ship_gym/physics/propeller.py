@@ -37,12 +37,18 @@ class Race(NamedTuple):
 
 @kernel
 def wake(inflow, r, propeller):
-    """Effective velocity ratio 1 - w_P while manoeuvring.
+    """Effective velocity ratio 1 - w_P while manoeuvring; `inflow` is an `Inflow`.
 
-    YY15 if ``wake_C1 > 0``; otherwise ``w_P = w_P0 exp(-wake_beta2 beta_P^2)`` (Yoshimura et al.
-    2013). beta_P = beta - x'_P r' (YY15); `inflow` is an `Inflow`.
+    Three laws, by the ship file: ``w_P0 [1 - (1 - cos^2 beta_P) (1 - |beta_P|)]`` with its own
+    lever of the yaw rate if ``wake_l_P < 0`` (KCS hull set B; |beta_P| up to 1 rad, where it is
+    back at w_P0); YY15 if ``wake_C1 > 0``; else ``w_P0 exp(-wake_beta2 beta_P^2)`` (Yoshimura et
+    al. 2013). beta_P = beta - x'_P r' (YY15).
     """
     U, beta = inflow
+    if propeller.wake_l_P < 0.0:
+        beta_P = abs(beta - propeller.wake_l_P * r / U) if U > 0.0 else 0.0
+        sine = math.sin(beta_P)
+        return 1.0 - propeller.w_P0 * (1.0 - sine * sine * max(1.0 - beta_P, 0.0))
     beta_P = beta - propeller.x_P * r / U if U > 0.0 else 0.0
     if propeller.wake_C1 > 0.0:
         C2 = propeller.wake_C2_p if beta_P > 0.0 else propeller.wake_C2_n
