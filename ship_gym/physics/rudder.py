@@ -86,14 +86,14 @@ def cross_inflow(v_geometric, U, u_R, side, rudder):
 def cubic_inflow(motion, U, ship):
     """Further v_R [m/s] of Son & Nomoto (1982), cubic in r' and v'; r' up to 1, their turns' range.
 
-    They print v_R' = g_a v' + c_Rr r' + c_Rrrr r'^3 + c_Rrrv r'^2 v' to starboard, v_R is to port.
+    They print v_R' = g_a v' + c_Rr r' + c_Rrrr r'^3 + c_Rrrv r'^2 v', of the other sign than v_R.
     """
     _, v, r = motion
     k = ship.rudder
     if U <= 0.0 or (k.v_rrr == 0.0 and k.v_rrv == 0.0):
         return 0.0
     r_ = max(min(r * ship.hull.L / U, 1.0), -1.0)
-    return r_ * r_ * (k.v_rrr * r_ * U + k.v_rrv * v)
+    return -r_ * r_ * (k.v_rrr * r_ * U + k.v_rrv * v)
 
 
 @kernel
