@@ -2,7 +2,9 @@
 
 The surrogate of Knight (2021), PhD thesis, University of Michigan, section 3.2, knows one rudder
 angle (35 deg). Straight ahead the propeller is its open-water curve in the wake; between, the two
-are blended with the square of the rudder angle (our choice, physics of neither source).
+are blended with the square of the rudder angle (our choice, physics of neither source). Where that
+curve is measured, the surrogate has been shifted to it (``records.anchored``), so the blend alone
+takes no thrust away.
 """
 
 from __future__ import annotations

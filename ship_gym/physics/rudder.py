@@ -1,6 +1,8 @@
 """Rudder forces: effective inflow at every angle, anchored to the CFD samples at the trained one.
 
-Law: Yasukawa & Yoshimura (2015) (YY15). Samples: Knight (2021), rudder at 35 deg.
+Law: Yasukawa & Yoshimura (2015) (YY15), with the constants of the ship's captive tests; of a ship
+without any, fitted to the samples (``loader.attach_surrogate``). Samples: Knight (2021), rudder at
+35 deg.
 """
 
 from __future__ import annotations

@@ -162,6 +162,12 @@ def anchored(ship: Ship) -> Table:
     return dataclasses.replace(table, values=values)
 
 
+def as_computed(ship: Ship) -> Ship:
+    """The ship with its surrogate as the samples have it: no shift by `anchored`."""
+    card = {**ship.surrogate.card, "anchored": False}
+    return dataclasses.replace(ship, surrogate=dataclasses.replace(ship.surrogate, card=card))
+
+
 def _by_unit(table: Table) -> np.ndarray:
     """Values as (2, count, count, 11), leeward before windward; a single one stands in both."""
     units = len(table.names) // len(CHANNELS)

@@ -77,7 +77,7 @@ def fit_effective_inflow(sides: dict[str, RudderSamples], ship: Ship) -> dict[st
     sides : dict
         Name of each rudder (``samples.SINGLE``; or ``LEEWARD`` and ``WINDWARD``) to its samples.
     ship : Ship
-        Without surrogate; its wake must be of the Gaussian kind (``wake_C1 = 0``).
+        Without surrogate: its wake law and the constants that are not fitted.
 
     Returns
     -------
@@ -92,7 +92,7 @@ def fit_effective_inflow(sides: dict[str, RudderSamples], ship: Ship) -> dict[st
         record.rudder["epsilon"], record.rudder["kappa"] = p[0], p[1]
         parts = []
         for samples, C_N, gamma_R in zip(sides.values(), measured, p[2:], strict=True):
-            record.rudder["gamma_R_p"] = gamma_R
+            record.rudder["gamma_R_p"] = record.rudder["gamma_R_n"] = gamma_R  # of this side
             parts.append(law_coefficients(samples, record) / C_N - 1.0)
         return np.concatenate(parts)
 
