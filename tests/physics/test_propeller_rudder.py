@@ -9,6 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from ship_gym.conventions import DELTA, R
 from ship_gym.physics.interpolate import cell
 from ship_gym.physics.propeller import advance_ratio, surrogate_blend, wake
 from ship_gym.physics.rudder import (
@@ -22,6 +23,7 @@ from ship_gym.physics.rudder import (
 from ship_gym.ships import available_ships, load_ship
 from ship_gym.ships.open_water import starred
 from ship_gym.ships.records import anchored, as_computed
+from ship_gym.simulation import ShipSim, self_propulsion
 from ship_gym.surrogates.regression import Regression
 from tests.conftest import forces, symmetric, tables_of
 
@@ -345,6 +347,23 @@ def test_a_small_motion_to_either_side_is_answered_alike(name):
     assert -left / right == pytest.approx(1.0, abs=0.15)
     far = [moment(sign * 0.3) - moment(0.0) for sign in (1.0, -1.0)]
     assert abs(far[0] / far[1]) > 1.3  # the asymmetry of turns stays
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("name", ["kcs", "kvlcc2_model"])
+def test_a_small_yaw_rate_to_either_side_goes_alike(name):
+    """r' = 0.01 and -0.01 after ten ship lengths: with a jump the tanker's are as 1 to 5."""
+    ship = load_ship(name)
+    sim = ShipSim(ship, 2)
+    n = self_propulsion(ship, ship.speed)
+    sim.reset(0, speed=ship.speed, n=n)
+    lengths, neutral = ship.hull.L / ship.speed, ship.rudder.neutral
+    sim.state[:, R], sim.state[:, DELTA] = np.array([0.01, -0.01]) / lengths, neutral
+    for _ in range(100):
+        sim.step(np.array([[neutral, n]] * 2), 0.1 * lengths)
+    right, left = sim.state[:, R]
+    assert right > 0.0 > left
+    assert 0.6 < -left / right < 1.6
 
 
 def test_the_neutral_rudder_angle_has_no_force_at_any_speed_and_load():
