@@ -93,7 +93,7 @@ class Fit:
         The error of a rudder coefficient is then that of the force, because the force is had from
         the rudder speed of the fitted thrust.
         """
-        return comparable(self.data, samples, self.models[side][self.data.thrust])
+        return comparable(self.data, samples, self.models[side])
 
     def errors(self, side: str) -> dict[str, list[float]]:
         """100 (CFD - model) / CFD [%] on the held-out points; empty without any."""
@@ -114,11 +114,11 @@ class Fit:
         return {name: held_out_score(models[name], held.X, y) for name, y in values.items()}
 
 
-def comparable(data: DataSet, samples: Samples, thrust: SurrogateModel) -> Samples:
+def comparable(data: DataSet, samples: Samples, models: dict[str, SurrogateModel]) -> Samples:
     """Samples with the rudder speed of a fitted thrust where the data set wants it."""
     if not (data.by_model_speed and samples.values and len(samples.points)):
         return samples
-    return samples.by_rudder_speed_of(data.thrust, thrust.predict(samples.X)[0])
+    return samples.by_rudder_speed_of(data.thrust, models[data.thrust].predict(samples.X)[0])
 
 
 def fit(
@@ -189,7 +189,7 @@ def fit_models(
     thrust.fit(training.X, training.values[data.thrust])
     found = {
         name: new_model(data, options, side, name).fit(training.X, y)
-        for name, y in comparable(data, training, thrust).values.items()
+        for name, y in comparable(data, training, {data.thrust: thrust}).values.items()
         if name != data.thrust
     }
     return {name: thrust if name == data.thrust else found[name] for name in training.values}
