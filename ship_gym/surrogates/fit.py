@@ -170,8 +170,8 @@ def _check_printed(data: DataSet, grid: str, turbulence: str, options: Options) 
     """Refuse to pass printed coefficients off as another model than they are."""
     if (options.family, options.order) != ("regression", "second"):
         raise ConfigError(
-            f"{data.name} {grid} {turbulence}: only the coefficients of its regression are printed, "
-            f"not the forces; family = {options.family!r}, order = {options.order!r}: allowed is "
+            f"{data.name} {grid} {turbulence}: the coefficients of its regression are printed, not "
+            f"its forces; family = {options.family!r}, order = {options.order!r}: allowed is "
             "'regression', 'second'"
         )
 
