@@ -155,6 +155,7 @@ MEANS = [
     for grid, printed in zip(("G1", "G2", "G3"), values, strict=True)
 ]
 PROCESS = [
+    # of C_Fx and C_Fy the thesis means the movable part; ours are of the whole rudder
     *(
         Finding(
             "3.2.5",
@@ -229,15 +230,12 @@ def test_finding(finding):
 
 
 def test_counts_of_coefficients_and_held_out_errors():
-    assert counted(fits.coefficients()) == {
-        **dict.fromkeys(("A.9", "A.11"), [24, 24]),
-        **dict.fromkeys(("B.11", "B.12", "B.14"), [60, 60]),
-    }
+    whole = {"A.9": 24, "A.11": 24, "B.11": 60, "B.12": 60, "B.14": 60}
+    assert counted(fits.coefficients()) == {name: [n, n] for name, n in whole.items()}
     # C_Fx and C_Fy of point 2 on G3 contradict the thesis' own coefficients: see test_fit.py
+    cells = {"3.7": 12, "3.8": 12, "3.9": 12, "3.10": 12, "5.9": 40, "5.10": 40}
     assert counted(fits.held_out_errors()) == {
-        **dict.fromkeys(("3.7", "3.8"), [12, 12]),
-        **dict.fromkeys(("3.9", "3.10"), [11, 12]),
-        **dict.fromkeys(("5.9", "5.10"), [40, 40]),
+        name: [n - (name in ("3.9", "3.10")), n] for name, n in cells.items()
     }
 
 
@@ -357,12 +355,15 @@ def test_more_revolutions_turn_tighter_and_faster(turns):
 
 
 def test_texts_show_ours_beside_theirs():
-    text = fits.coefficient_text(fits.coefficients())
-    assert "together 228 of 228" in text and "B.14" in text
-    assert "together 464 of 464" in errors.cell_text(errors.cells())
-    assert "together 79 of 80" in errors.mean_text(errors.means())
-    assert "5.10 40 of 40" in fits.error_text(fits.held_out_errors())
-    assert "against G3" in errors.budget_text(errors.budgets())
-    ours = measured_motion.as_text(measured_motion.as_dict())
-    assert "3.13 16 of 16" in ours and "beta_P 34.6" in ours
-    assert "SYNTHETIC" in open_water_example.as_text(open_water_example.as_dict())
+    texts = [
+        fits.coefficient_text(fits.coefficients()),
+        fits.error_text(fits.held_out_errors()),
+        errors.cell_text(errors.cells()),
+        errors.mean_text(errors.means()),
+        errors.budget_text(errors.budgets()),
+        measured_motion.as_text(measured_motion.as_dict()),
+        open_water_example.as_text(open_water_example.as_dict()),
+    ]
+    expected = ("228 of 228", "126 of 128", "464 of 464", "79 of 80", "against G3", "beta_P 34.6")
+    for text, words in zip(texts, (*expected, "SYNTHETIC"), strict=True):
+        assert words in " ".join(text.split())
