@@ -111,7 +111,8 @@ def sigma_n(data: DataSet, quantity: str, side: str) -> float:
 
     Standard deviation of the differences G3 - G2 over all points, plus that of the differences
     SST - SA over all points on grid G2 with both (sections 3.2.5 and 5.3.4). A mean difference is a
-    bias, not noise, and is left out.
+    bias, not noise, and is left out. Of KCS section 3.2.5 takes both models at points 1-12; the
+    tables have SST at points 1-4 (3.5, 3.6, A.7, A.8).
 
     It gives the printed values of KCS, 0.024, 0.034, 0.046 and 0.079 for K_T, 10K_Q, C_Fx, C_Fy,
     to 0.0006. It does not give those of ONRT (0.028 for 0.037, 0.061 for 0.045): see
