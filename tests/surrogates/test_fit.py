@@ -22,6 +22,7 @@ from ship_gym.surrogates.samples import (
     ONRT_16,
     SINGLE,
     WINDWARD,
+    rudder_speed_squared,
 )
 from ship_gym.tables import Table
 
@@ -112,6 +113,22 @@ def test_onrt_rudder_coefficients_are_the_printed_ones(grid, turbulence, side):
         printed = ONRT.printed(f"{grid}_{turbulence}", side)[quantity]
         difference = found.models[side][quantity].coefficients - printed
         assert np.abs(matrix @ difference).max() < 0.0008, quantity
+
+
+def test_another_rudder_speed_leaves_the_force_and_the_propeller_as_they_are():
+    """C u_R^2 is the force; (u_R/u)^2 at J 0.6, 24.063 deg and K_X 0.388 is 3.944 by hand."""
+    samples = ONRT.read("G2", "SA", LEEWARD).pick((7,))
+    assert rudder_speed_squared(samples.X, samples.values["K_X"])[0] == pytest.approx(
+        3.9439, abs=1e-3
+    )
+    other = samples.by_rudder_speed_of("K_X", np.array([0.5]))
+    for quantity in RUDDER:
+        forces = [
+            s.values[quantity] * rudder_speed_squared(samples.X, K)
+            for s, K in ((samples, samples.values["K_X"]), (other, np.array([0.5])))
+        ]
+        assert forces[0] == pytest.approx(forces[1])
+    assert other.values["K_S"] == samples.values["K_S"]
 
 
 def test_with_the_rudder_speed_of_the_cfd_they_are_not():
