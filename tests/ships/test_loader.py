@@ -91,7 +91,8 @@ def test_unknown_names(call, word):
 def test_surrogates_of_every_ship():
     fitted = ["G1_SA", "G2_SA", "G2_SST", "G3_SA", "gp", "nn"]
     assert available_surrogates("kcs") == ["none", "beaufoy", *fitted]
-    assert available_surrogates("onrt") == ["none", "G2_SA", "G2_SST", "G3_SA", "gp", "nn"]
+    onrt = ["none", "G1_SA", "G2_SA", "G2_SA_16", "G2_SST", "G3_SA", "gp", "nn"]
+    assert available_surrogates("onrt") == onrt
     assert available_surrogates("kvlcc2") == ["none", "beaufoy"]
 
 

@@ -40,7 +40,7 @@ def test_kcs_turning_circle_what_is_not_matched(kcs_turn):
 
 @pytest.mark.parametrize(
     ("surrogate", "max_advance", "max_transfer", "steady_diameter"),
-    [  # CFD turning circles with the same surrogates, Knight (2021) Tables 3.12-3.15
+    [  # CFD turning circles with the same surrogates, Knight (2021) Table 4.3
         ("G2_SA", 3.07, 3.13, 2.70),
         ("G2_SST", 3.21, 3.35, 2.93),
         ("G3_SA", 2.93, 3.00, 2.60),
