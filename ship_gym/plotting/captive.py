@@ -41,7 +41,7 @@ def plot_captive(case: CaptiveCase, path: str | os.PathLike) -> None:
             axes.set_xlabel(_ABSCISSA[case.test])
         handles, labels = panels[0].get_legend_handles_labels()
         if labels:
-            figure.legend(handles, labels, loc="outside right upper")
+            figure.legend(handles, labels, loc="outside right center")
 
 
 def _panel(axes: Axes, case: CaptiveCase, name: str) -> None:
