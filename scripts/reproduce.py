@@ -6,7 +6,14 @@ from pathlib import Path
 
 from _cli import parser, progress, run, show
 
-from reproduce import families, rudder_formulas, stern_tables, thesis_tables, unsteady_tables
+from reproduce import (
+    families,
+    rudder_formulas,
+    rudder_primes,
+    stern_tables,
+    thesis_tables,
+    unsteady_tables,
+)
 from reproduce.unsteady import compare_seeds
 
 # what is computed and how it is shown
@@ -16,7 +23,10 @@ PARTS = {
     # Knight & Maki (2020): order of the regression, early stopping, test cases; two minutes
     "network": (lambda: unsteady_tables.as_dict(compare_seeds()), unsteady_tables.as_text),
     # Stern et al. (2021): Beaufoy's formula and the MMG rudder
-    "rudder": (rudder_formulas.as_dict, rudder_formulas.as_text),
+    "rudder": (
+        lambda: rudder_formulas.as_dict() | {"primes": rudder_primes.primes()},
+        lambda data: rudder_formulas.as_text(data) + "\n\n" + rudder_primes.as_text(data["primes"]),
+    ),
     # Stern et al. (2021): turns to port and to starboard, force balance, findings
     "stern": (stern_tables.as_dict, stern_tables.as_text),
     # turning circles and zig-zags of KCS with each family of surrogate
