@@ -20,7 +20,7 @@ from reproduce.unsteady import compare_seeds
 PARTS = {
     # Knight (2021): regression, process, error budget
     "thesis": (thesis_tables.as_dict, thesis_tables.as_text),
-    # Knight & Maki (2020): order of the regression, early stopping, test cases; two minutes
+    # Knight & Maki (2020): order of the regression, early stopping, test cases; three minutes
     "network": (lambda: unsteady_tables.as_dict(compare_seeds()), unsteady_tables.as_text),
     # Stern et al. (2021): Beaufoy's formula and the MMG rudder
     "rudder": (
@@ -44,7 +44,10 @@ def main() -> None:
     p = parser(__doc__, EXAMPLES)
     p.add_argument("parts", nargs="*", metavar="PART", help=f"{', '.join(PARTS)} (default: all)")
     p.add_argument(
-        "--plot", type=Path, metavar="FILE.png", help="draw the force balance of the part stern"
+        "--plot",
+        type=Path,
+        metavar="FILE.png",
+        help="draw force balance and drift of the part stern",
     )
     p.add_argument(
         "--record", action="store_true", help="write the part stern's table of findings again"
@@ -72,7 +75,7 @@ def _write(stern: dict, plot: Path | None, record: bool) -> list[str]:
     if plot:
         from reproduce.stern_picture import plot_sides
 
-        plot_sides(stern["balance"], plot)
+        plot_sides(stern, plot)
         written.append(str(plot))
     return written
 

@@ -70,7 +70,7 @@ def as_text(data: dict[str, Any]) -> str:
             "",
             "test case in open water (sections 3.2.1, 3.2.2)",
             _beside(data["open_water"], data["printed_open_water"], TEST_COLUMNS),
-            paragraph(_OPEN_WATER),
+            paragraph(_open_water(data)),
             "",
             "share of the seeds in which it holds; in the print each does",
             table(["", ""], [[text, f"{share:.0%}"] for text, share in data["held"].items()]),
@@ -80,10 +80,15 @@ def as_text(data: dict[str, Any]) -> str:
     )
 
 
-_OPEN_WATER = (
-    "Our series is made by the printed regression itself, so the regression is at its best and the "
-    "network can at most come level: who wins on K_T and K_Q cannot be tried with these series."
-)
+def _open_water(data: dict[str, Any]) -> str:
+    ratio = data["slower"]
+    ours = "not reached here" if ratio is None else f"{ratio:.1f} times here"
+    return (
+        "Our series is made by the printed regression itself, so the regression is at its best and "
+        "the network can at most come level: who wins on K_T and K_Q cannot be tried with these "
+        "series. A network with the second-order features predicts alike, as they say; to their "
+        f"training loss of 3.1e-5 it takes twice the iterations in the print, {ours}."
+    )
 
 
 def _test_3(data: dict[str, Any]) -> str:

@@ -57,6 +57,22 @@ def test_printed_mmg_is_met_within_a_tenth_at_constant_revolutions(rows):
             assert rows[key]["mmg"]["computed"] == pytest.approx(printed, rel=0.10), key
 
 
+def test_formulas_are_near_the_force_of_the_facility_they_were_tuned_to(rows):
+    """Text beside Table 1: MMG and HU's data; MARIN's and the CFD's forces are not met so well.
+
+    Theirs: 1 % at HU, 7 to 31 % elsewhere. Ours with their l_R and gamma_R: MARIN is far off, too.
+    """
+    theirs, ours = {}, {}
+    for key, (measured, _, printed) in TABLE_1.items():
+        if printed is not None:
+            theirs[key] = abs(printed / measured - 1.0)
+            ours[key] = abs(rows[key]["mmg"]["computed"] / measured - 1.0)
+    at_home = [k for k in theirs if k[0] == "HU"]
+    assert max(theirs[k] for k in at_home) < 0.01
+    assert min(theirs[k] for k in theirs if k not in at_home) > 0.07
+    assert ours["MARIN", "port", 0.26] > max(ours[k] for k in at_home)
+
+
 def test_printed_J_B_belongs_to_the_speed_at_HU_only(rows):
     for (facility, _, _), row in rows.items():
         if facility == "MARIN":
