@@ -25,6 +25,7 @@ VERBS = {
     "simulate": "Sail a turning circle, a zig-zag or all trials of a ship.",
     "tune": "Tune the PID by differential evolution on seeds kept for tuning.",
     "fit-surrogate": "Fit a propeller and rudder surrogate to CFD points.",
+    "draw": "Draw what papers draw of surrogates and of the forces in a turn.",
     "build-wave-table": "Compute a ship's wave table by boundary elements.",
     "speed": "Measure how fast physics and environments step, beside Gymnasium's CartPole.",
     "list": "List what can be named: ships, scenarios, tasks, controllers, surrogates.",
