@@ -39,12 +39,55 @@ def test_matching_trial_decides_the_propeller_speed(circle):
 def test_rows_compare_with_trial_and_imo(circle):
     found = {row.name: row for row in report.rows(circle)}
     assert found["steady_speed_ratio"].measured == 0.477
-    assert found["steady_speed_ratio"].difference == pytest.approx(-13.3, abs=0.1)
+    ours = circle.result.steady_speed_ratio
+    assert found["steady_speed_ratio"].difference == pytest.approx(100.0 * (ours / 0.477 - 1.0))
     assert found["advance"].limit == 4.5
     assert found["advance"].passes
     assert found["transfer"].limit is None
     assert "drift_distance" not in found  # calm water
     assert not dataclasses.replace(found["advance"], computed=4.6).passes
+
+
+def test_force_of_the_movable_rudder_is_compared_with_the_measured_one(circle):
+    """The trial measured the movable part, 0.0080 of 0.0096 m2 (Knight 2021)."""
+    found = {row.name: row for row in report.rows(circle)}
+    assert found["rudder_normal_force"].measured is None
+    movable = found["movable_rudder_force"]
+    assert movable.measured == 2.923
+    assert movable.computed == pytest.approx(circle.result.rudder_normal_force * 0.0080 / 0.0096)
+    without = dataclasses.replace(circle, trial=None)
+    assert "movable_rudder_force" not in {row.name for row in report.rows(without)}
+
+
+def test_scatter_of_the_facilities_is_an_error_bar():
+    """Fn 0.157 to starboard, Stern et al. (2021): tactical diameter 3.2 L, 5.9 % of scatter."""
+    ship = load_ship("kcs_model")
+    case = sail_trial(ship, ship.trials[2])
+    row = {row.name: row for row in report.rows(case)}["tactical_diameter"]
+    assert row.deviation == pytest.approx(0.059 * 3.2)
+    assert row.deviations == pytest.approx((row.computed - 3.2) / (0.059 * 3.2))
+    assert "3.20 ± 0.19" in report.as_text(case)
+    data = report.as_dict(case)
+    assert data["difference_in_deviations"]["tactical_diameter"] == row.deviations
+    assert dataclasses.replace(row, deviation=None).deviations is None
+
+
+@pytest.mark.parametrize(
+    ("computed", "difference"), [(100.0, 6.7), (-100.0, 166.7), (-80.0, -173.3), (93.3, 0.0)]
+)
+def test_difference_of_a_direction_is_an_angle(computed, difference):
+    row = report.Row("drift_direction", computed, 93.3)
+    assert row.difference == pytest.approx(difference)
+    assert report.difference_text(row).endswith(" deg")
+
+
+def test_what_others_computed_is_beside():
+    """Knight (2021) Table 4.3: his CFD with the same regression."""
+    ship = load_ship("kcs_model")
+    case = sail_trial(ship, ship.trials[0])
+    row = {row.name: row for row in report.rows(case)}["max_transfer"]
+    assert row.others == {"CFD, G2": 3.13, "CFD, G2 SST": 3.35, "CFD, G3": 3.00}
+    assert "computed by others" in report.as_text(case)
 
 
 def test_smaller_rudder_has_no_imo_limit():
@@ -74,6 +117,6 @@ def test_ship_without_trials_and_unknown_measure_are_refused(circle):
     ship = dataclasses.replace(circle.ship, trials=())
     with pytest.raises(ConfigError, match="no trial"):
         trials(ship)
-    odd = dataclasses.replace(circle.trial, measures={"max_advence": 3.0})
+    odd = dataclasses.replace(circle.trial, measures={"max_advence": 3.0}, deviation={})
     with pytest.raises(ConfigError, match="max_advance"):
         report.rows(dataclasses.replace(circle, trial=odd))

@@ -35,6 +35,7 @@ _QUANTITIES: dict[str, tuple[str, str, float, int]] = {
     "steady_thrust": ("steady thrust", "N", 1.0, 2),
     "steady_torque": ("steady torque", "N m", 1.0, 4),
     "rudder_normal_force": ("rudder normal force, whole", "N", 1.0, 2),
+    "movable_rudder_force": ("rudder normal force, movable part", "N", 1.0, 2),
     "drift_distance": ("drift from 180 to 540 deg", "L", 1.0, 2),
     "drift_direction": ("  direction from north", "deg", _DEG, 0),
     "overshoot_1": ("first overshoot", "deg", _DEG, 1),
@@ -46,6 +47,7 @@ _QUANTITIES: dict[str, tuple[str, str, float, int]] = {
 }
 _RESISTING = ("hull", "rudder", "wave")
 _ONLY_IN_A_SEA = ("drift_distance", "drift_direction")
+DIRECTIONS = ("drift_direction",)  # whose difference is an angle, not a share
 # rudder/heading [deg] of a zig-zag -> limit of `imo_limits` -> measure
 _IMO_ZIGZAG = {
     (10, 10): {
@@ -59,39 +61,79 @@ _IMO_ZIGZAG = {
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """One measure in the unit of display; `limit` is IMO's, `calm` that without the waves."""
+    """One measure in the unit of display.
+
+    ``deviation`` is the standard deviation of the facilities that measured, ``limit`` IMO's limit,
+    ``calm`` the value without the waves, ``others`` what others computed.
+    """
 
     name: str
     computed: float
     measured: float | None = None
     limit: float | None = None
     calm: float | None = None
+    deviation: float | None = None
+    others: dict[str, float] = dataclasses.field(default_factory=dict)
 
     @property
     def difference(self) -> float | None:
-        """100 (computed - measured) / measured [%]; None without a measurement."""
-        return None if self.measured is None else 100.0 * (self.computed / self.measured - 1.0)
+        """100 (computed - measured) / measured [%], of a direction [deg]; None if not measured."""
+        if self.measured is None:
+            return None
+        if self.name in DIRECTIONS:
+            return (self.computed - self.measured + 180.0) % 360.0 - 180.0
+        return 100.0 * (self.computed / self.measured - 1.0)
+
+    @property
+    def deviations(self) -> float | None:
+        """The difference in standard deviations of the facilities; None without these."""
+        if self.measured is None or not self.deviation:
+            return None
+        return (self.computed - self.measured) / self.deviation
 
     @property
     def passes(self) -> bool:
         """Whether the computed value is within IMO's limit."""
         return self.limit is None or self.computed <= self.limit
 
+    @property
+    def label(self) -> str:
+        """The measure in words."""
+        return _QUANTITIES[self.name][0]
+
+    @property
+    def unit(self) -> str:
+        """Unit of display."""
+        return _QUANTITIES[self.name][1]
+
+    def shown(self, value: float | None) -> str:
+        """A value of this measure with the digits it is shown with; nothing for None."""
+        return "" if value is None else f"{value:.{_QUANTITIES[self.name][3]}f}"
+
 
 def rows(case: Case) -> list[Row]:
     """Measures of a case in units of display, with what was measured and what IMO allows."""
-    measured, limits = _measured(case), _limits(case)
-    calm = _flat(case.calm.measures()) if case.calm else {}
+    trial = case.trial
+    measured = _displayed(case, trial.measures) if trial else {}
+    others = {k: _displayed(case, v) for k, v in trial.others.items()} if trial else {}
+    limits = _limits(case)
+    calm = _flat(case, case.calm.measures()) if case.calm else {}
     found = []
-    for name, value in _flat(case.result.measures()).items():
+    for name, value in _flat(case, case.result.measures()).items():
         if name not in _QUANTITIES or (name in _ONLY_IN_A_SEA and case.sea == "calm"):
             continue
         factor = _QUANTITIES[name][2]
-        limit = limits.get(name)
-        limit = None if limit is None else limit * factor
-        still = calm.get(name)
-        still = None if still is None else still * factor
-        found.append(Row(name, value * factor, measured.get(name), limit, still))
+        share = trial.deviation.get(name) if trial else None
+        row = Row(
+            name,
+            value * factor,
+            measured.get(name),
+            limits[name] * factor if name in limits else None,
+            calm[name] * factor if name in calm else None,
+            abs(share * measured[name]) if share and name in measured else None,
+            {who: values[name] for who, values in others.items() if name in values},
+        )
+        found.append(row)
     return found
 
 
@@ -120,26 +162,30 @@ def _share(surge: dict[str, float]) -> float:
     return surge["wave"] / sum(surge.values())
 
 
-def _flat(measures: dict[str, Any]) -> dict[str, float]:
-    """Measures with the overshoots of a zig-zag numbered from 1."""
+def _flat(case: Case, measures: dict[str, Any]) -> dict[str, float]:
+    """Measures with the overshoots of a zig-zag numbered from 1, and the movable rudder's force."""
     flat = {}
+    share = case.trial.movable_share if case.trial else None
     for name, value in measures.items():
         if name == "overshoots":
             flat.update({f"overshoot_{k}": x for k, x in enumerate(value, start=1)})
         elif not isinstance(value, tuple):
             flat[name] = value
+        if name == "rudder_normal_force" and share is not None:
+            flat["movable_rudder_force"] = share * value
     return flat
 
 
-def _measured(case: Case) -> dict[str, float]:
-    """Measured values of the trial in units of display."""
+def _displayed(case: Case, printed: dict[str, Any]) -> dict[str, float]:
+    """Values of a trial in units of display; a name that ends in _deg is in degrees already."""
     found: dict[str, float] = {}
-    for name, value in (case.trial.measures if case.trial else {}).items():
-        if name == "overshoots_deg":
+    for key, value in printed.items():
+        if key == "overshoots_deg":
             found.update({f"overshoot_{k}": float(x) for k, x in enumerate(value, start=1)})
-        else:
-            check_known(f"measure in a trial of {case.ship.name}", name, _QUANTITIES)
-            found[name] = float(value) * _QUANTITIES[name][2]
+            continue
+        name = key.removesuffix("_deg")
+        check_known(f"measure in a trial of {case.ship.name}", name, _QUANTITIES)
+        found[name] = float(value) * (1.0 if name != key else _QUANTITIES[name][2])
     return found
 
 
@@ -170,6 +216,9 @@ def title(case: Case) -> str:
 def as_dict(case: Case) -> dict[str, Any]:
     """The case as plain numbers, for ``--json``."""
     found = rows(case)
+    compared = [row for row in found if row.measured is not None]
+    directions = [row for row in compared if row.name in DIRECTIONS]
+    percents = [row for row in compared if row not in directions]
     return {
         "ship": case.ship.name,
         "surrogate": case.ship.surrogate_name,
@@ -180,14 +229,21 @@ def as_dict(case: Case) -> dict[str, Any]:
         "speed": case.speed,
         "n": case.n,
         "sea": case.sea,
-        "units": {row.name: _QUANTITIES[row.name][1] for row in found},
+        "units": {row.name: row.unit for row in found},
         "measures": {r.name: r.computed if math.isfinite(r.computed) else None for r in found},
         "measured": {r.name: r.measured for r in found if r.measured is not None},
-        "difference_percent": {r.name: r.difference for r in found if r.measured is not None},
+        "difference_percent": {r.name: r.difference for r in percents},
+        "difference_deg": {r.name: r.difference for r in directions},
+        "deviation": {r.name: r.deviation for r in found if r.deviation is not None},
+        "difference_in_deviations": {
+            r.name: r.deviations for r in found if r.deviations is not None
+        },
+        "others": {r.name: r.others for r in found if r.others},
         "imo": {r.name: {"limit": r.limit, "pass": r.passes} for r in found if r.limit is not None},
         "calm": {r.name: r.calm for r in found if r.calm is not None},
         "wave_share": wave_share(case),
         "trial_source": case.trial.source if case.trial else None,
+        "facility": case.trial.facility if case.trial else None,
         "estimated": case.ship.estimated,
     }
 
@@ -197,9 +253,12 @@ def as_text(case: Case) -> str:
     found = rows(case)
     lines = [title(case)]
     lines.append(f"hull set {case.ship.variant}, surrogate {case.ship.surrogate_name}")
-    lines += ["", _wave_table(found) if case.calm else _measure_table(found)]
+    lines += ["", _measure_table(found)]
     if case.trial:
-        lines.append(paragraph(f"measured: {case.trial.source}"))
+        who = f"{case.trial.facility}: " if case.trial.facility else ""
+        lines.append(paragraph(f"measured: {who}{case.trial.source}"))
+        if case.trial.others:
+            lines += ["", _others_table(found, list(case.trial.others))]
     if has_waves(case.water):
         lines += ["", _wave_text(case)]
     lines += ["", _imo_table(found)]
@@ -209,20 +268,48 @@ def as_text(case: Case) -> str:
 
 
 def _measure_table(found: list[Row]) -> str:
+    """Measures, in waves beside those in calm water, and beside what was measured."""
+    calm, scatter = (any(getattr(r, k) is not None for r in found) for k in ("calm", "deviation"))
+    trial = any(row.measured is not None for row in found) or not calm
+    header = ["measure", "unit", *(["in waves", "calm water"] if calm else ["computed"])]
+    header += ["measured", "difference"] if trial else []
+    header += ["in SD"] if scatter else []
     cells = []
     for row in found:
-        unit, computed, measured = _shown(row, row.measured)
-        cells.append([_QUANTITIES[row.name][0], unit, computed, measured, percent(row.difference)])
-    return table(["measure", "unit", "computed", "measured", "difference"], cells, left=2)
+        unit, computed, still = _shown(row, row.calm)
+        line = [row.label, unit, computed, *([still] if calm else [])]
+        line += [_measured_cell(row), difference_text(row)] if trial else []
+        cells.append(line + ([deviations_text(row)] if scatter else []))
+    return table(header, cells, left=2)
 
 
-def _wave_table(found: list[Row]) -> str:
-    """Measures in waves beside those in calm water."""
-    cells = []
-    for row in found:
-        unit, computed, calm = _shown(row, row.calm)
-        cells.append([_QUANTITIES[row.name][0], unit, computed, calm])
-    return table(["measure", "unit", "in waves", "calm water"], cells, left=2)
+def _measured_cell(row: Row) -> str:
+    _, _, measured = _shown(row, row.measured)
+    _, _, deviation = _shown(row, row.deviation)
+    return f"{measured} ± {deviation}" if deviation else measured
+
+
+def difference_text(row: Row) -> str:
+    """Difference from the measured value: a percentage, of a direction an angle."""
+    if row.difference is not None and row.name in DIRECTIONS:
+        return f"{row.difference:+.0f} deg"
+    return percent(row.difference)
+
+
+def deviations_text(row: Row) -> str:
+    """The difference in standard deviations of the facilities, or nothing."""
+    return "" if row.deviations is None else f"{row.deviations:+.1f}"
+
+
+def _others_table(found: list[Row], names: list[str]) -> str:
+    """What others computed for the trial, beside ours and the measured values."""
+    cells = [
+        [row.label, *(_shown(row, x)[2] for x in (row.computed, row.measured))]
+        + [_shown(row, row.others.get(name))[2] for name in names]
+        for row in found
+        if row.others
+    ]
+    return table(["computed by others", "here", "measured", *names], cells)
 
 
 def _wave_text(case: Case) -> str:
@@ -248,7 +335,7 @@ def _imo_table(found: list[Row]) -> str:
     cells = []
     for row in judged:
         verdict = "pass" if row.passes else "FAIL"
-        cells.append([_QUANTITIES[row.name][0], *_shown(row, row.limit), verdict])
+        cells.append([row.label, *_shown(row, row.limit), verdict])
     return table(["IMO MSC.137(76)", "unit", "computed", "at most", ""], cells, left=2)
 
 

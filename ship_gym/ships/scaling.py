@@ -7,7 +7,8 @@ import math
 
 from ship_gym.config import check_number
 from ship_gym.conventions import NU_SEA, RHO_SEA
-from ship_gym.ships.particulars import Ship, Trial
+from ship_gym.ships.particulars import Ship
+from ship_gym.ships.trials import scaled_trial
 
 # SI unit -> power of the length ratio by Froude's law
 _POWERS = {
@@ -22,12 +23,6 @@ _POWERS = {
     "rev/s": -0.5,
     "rev/s2": -1.0,
     "N m": 4.0,
-}
-# measures of a trial in N or N m -> power of the length ratio; the others are in L or ratios
-_MEASURE_POWERS = {
-    "steady_thrust": 3.0,
-    "rudder_normal_force": 3.0,
-    "steady_torque": 4.0,
 }
 
 
@@ -87,7 +82,7 @@ def scaled(
         hull = dataclasses.replace(hull, R_0=hull.R_0 - change)
     of_model = friction_correction and ratio != 1.0
     trials = tuple(
-        _scaled_trial(t, ratio, rho / ship.rho, f"model trial of {ship.name}" if of_model else "")
+        scaled_trial(t, ratio, rho / ship.rho, f"model trial of {ship.name}" if of_model else "")
         for t in ship.trials
     )
     return dataclasses.replace(
@@ -105,23 +100,6 @@ def scaled(
         wind=None if ship.wind is None else scaled_section(ship.wind, ratio),
         surrogate=_scaled_surrogate(ship.surrogate, ratio),
         trials=trials,
-    )
-
-
-def _scaled_trial(trial: Trial, ratio: float, density_ratio: float, model: str) -> Trial:
-    """A trial at the new scale; of a `model` trial no propeller speed and no force is left."""
-    root, measures = math.sqrt(ratio), {}
-    for name, value in trial.measures.items():
-        if name not in _MEASURE_POWERS:
-            measures[name] = value
-        elif not model:
-            measures[name] = value * ratio ** _MEASURE_POWERS[name] * density_ratio
-    return dataclasses.replace(
-        trial,
-        speed=trial.speed * root,
-        n=None if trial.n is None or model else trial.n / root,
-        measures=measures,
-        source=f"{model}: {trial.source}" if model else trial.source,
     )
 
 
