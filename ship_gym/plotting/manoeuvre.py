@@ -168,7 +168,7 @@ def _trial_marks(axes: Axes, case: Case, side: float) -> None:
         size, bar = measured["steady_diameter"], bars.get("steady_diameter")
         drawn += [axes.add_patch(Ellipse((east, north), size, size, fill=False, **line))]
         if bar:
-            width = {"width": 0.5 * bar, "facecolor": MEASURED, "alpha": 0.2}
+            width = {"width": bar, "facecolor": MEASURED, "alpha": 0.2}
             axes.add_patch(Annulus((east, north), 0.5 * (size + bar), **width))
     if drawn:
         label = "measured: " + ", ".join(_drawn_names(measured))

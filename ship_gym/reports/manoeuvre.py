@@ -165,7 +165,7 @@ def _share(surge: dict[str, float]) -> float:
 def _flat(case: Case, measures: dict[str, Any]) -> dict[str, float]:
     """Measures with the overshoots of a zig-zag numbered from 1, and the movable rudder's force."""
     flat = {}
-    share = case.trial.movable_share if case.trial else None
+    share = case.trial.movable_factor if case.trial else None
     for name, value in measures.items():
         if name == "overshoots":
             flat.update({f"overshoot_{k}": x for k, x in enumerate(value, start=1)})

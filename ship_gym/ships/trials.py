@@ -52,10 +52,11 @@ class Trial:
     facilities : int
         How many facilities the values are the mean of.
     deviation : dict
-        Measure to standard deviation of the facilities, as a share of their mean.
-    movable_share : float, optional
-        Share of the rudder's lateral area that moves. The computed force of the whole rudder times
-        this is compared with ``movable_rudder_force``: the force is taken as even over the area.
+        Measure to standard deviation of the facilities, as a share of their mean; of a single test
+        its printed standard error.
+    movable_factor : float, optional
+        Normal force on the movable part of the rudder over that on the whole rudder. The computed
+        force of the whole rudder times this is compared with ``movable_rudder_force``.
     others : dict
         Who else computed this trial to measures, named as in `measures`.
     """
@@ -74,7 +75,7 @@ class Trial:
     wave_from_deg: float = 0.0
     facilities: int = 1
     deviation: dict[str, float] = dataclasses.field(default_factory=dict, hash=False)
-    movable_share: float | None = None
+    movable_factor: float | None = None
     others: dict[str, dict] = dataclasses.field(default_factory=dict, hash=False)
 
     def __post_init__(self):
@@ -93,10 +94,10 @@ class Trial:
                 raise ConfigError(f"trial.deviation.{name} = {value}: trial.measures has no {name}")
         if self.length is not None:
             check_number("trial.length", self.length, 0.1, 1000.0, "m")
-        if self.movable_share is not None:
-            check_number("trial.movable_share", self.movable_share, 0.01, 1.0)
+        if self.movable_factor is not None:
+            check_number("trial.movable_factor", self.movable_factor, 0.1, 2.0)
         elif "movable_rudder_force" in self.measures:
-            raise ConfigError("trial.movable_share: missing, needed for movable_rudder_force")
+            raise ConfigError("trial.movable_factor: missing, needed for movable_rudder_force")
 
     @property
     def waves(self) -> bool:
