@@ -240,7 +240,10 @@ def page(found: Sequence[Comparison], sources: dict[str, str], before: str, pict
     lines = [_NOTE, "# Every trial beside the model", _INTRODUCTION]
     lines += [f"![all trials]({picture})"] if picture else []
     lines += [as_text(found, markdown=True, before=before), "## Sources"]
-    lines.append("\n".join(f"- {name}: {text}" for name, text in sources.items()))
+    said: dict[str, list[str]] = {}
+    for name, text in sources.items():
+        said.setdefault(text, []).append(name)
+    lines.append("\n".join(f"- {'; '.join(names)}: {text}" for text, names in said.items()))
     return "\n\n".join(lines) + "\n"
 
 
@@ -250,5 +253,5 @@ propeller speed where it is printed (else self-propulsion), waves. Measured valu
 standard deviation (SD) of the facilities where one is printed, and the last column counts the
 difference in it. The force of the movable part of the rudder is that of the whole rudder by a
 factor of the ship file, whose source stands there. Full-scale ships have the trials of their models
-and are left out. MARIN and IIHR print their rudder forces by the area of the movable part; that they
-measured on it is not said, and the forces of the facilities differ more than models do."""
+and are left out. The rudder forces of MARIN and IIHR are printed by the area of the movable part;
+whether they were measured on it is not said, and those of the facilities differ by a third."""
