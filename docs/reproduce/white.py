@@ -9,11 +9,13 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from ship_gym.reports.case import Case, sail
 from ship_gym.ships.loader import load_ship
+from ship_gym.text import table
 
 # approach speed [m/s], propeller [rev/s], wave height [m]; lambda = L, head sea
 CIRCLES = {"kcs_model": (0.860, 13.2, 0.048), "dtc_model": (1.48, 15.7, 0.112)}
@@ -161,6 +163,26 @@ def rows(found: list[Finding]) -> list[list[str]]:
         [f.ship, f.what, f.place, f.printed, f"{f.ours:.{f.digits}f}", "yes" if f.met else "no"]
         for f in found
     ]
+
+
+def as_dict() -> dict[str, Any]:
+    """All findings, each as plain numbers, and how many agree."""
+    found = findings(circle("dtc_model"), circle("kcs_model"), kcs_in_calm_water())
+    plain = [dataclasses.asdict(f) | {"met": f.met} for f in found]
+    return {"findings": plain, "met": sum(f.met for f in found), "of": len(found)}
+
+
+def as_text(data: dict[str, Any]) -> str:
+    """The findings as a table for people."""
+    fields = [f.name for f in dataclasses.fields(Finding)]
+    found = [Finding(**{name: each[name] for name in fields}) for each in data["findings"]]
+    return "\n".join(
+        [
+            "White (2020), turning circles in head waves, starboard; within 5 %, or a bound kept",
+            table(HEADER, rows(found), 4),
+            f"{data['met']} of {data['of']} agree",
+        ]
+    )
 
 
 HEADER = ("ship", "what", "place", "White", "here", "agrees")

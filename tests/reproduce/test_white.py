@@ -90,6 +90,18 @@ def test_every_finding_is_a_row_of_the_page(found):
         assert f"| {ship} | {what} | {place} | {printed} |" in text
 
 
+def test_findings_as_numbers_and_text(monkeypatch, cases, found):
+    """What python scripts/reproduce.py white prints."""
+    by_name = dict(zip(("dtc_model", "kcs_model"), cases, strict=False))
+    monkeypatch.setattr(white, "circle", by_name.get)
+    monkeypatch.setattr(white, "kcs_in_calm_water", lambda: cases[2])
+    data = white.as_dict()
+    assert data["of"] == len(found) == len(data["findings"])
+    assert data["met"] == sum(f.met for f in found.values())
+    text = white.as_text(data)
+    assert f"{data['met']} of {data['of']} agree" in text and "heading at 110 s [deg]" in text
+
+
 def test_trials_in_waves_are_on_the_page_beside_ours():
     rows = trial_rows(("onrt_model",))
     assert [row[2] for row in rows] == ["3.00", "0.34", "93"]
