@@ -23,7 +23,8 @@ from ship_gym.plotting.seaway import plot_turning_in_waves
 from ship_gym.provenance import atomic_path
 from ship_gym.recording import Trajectory
 from ship_gym.reports.case import Case, sail_trial
-from ship_gym.reports.manoeuvre import difference_text, rows, wave_share
+from ship_gym.reports.manoeuvre import wave_share
+from ship_gym.reports.measures import difference_text, rows
 from ship_gym.sea.sea_states import sea_state
 from ship_gym.sea.state import irregular_sea
 from ship_gym.simulation import ShipSim, history_columns

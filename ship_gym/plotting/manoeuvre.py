@@ -24,7 +24,8 @@ from ship_gym.plotting.figure import (
 )
 from ship_gym.recording.hull_shape import deck_outline
 from ship_gym.reports.case import Case
-from ship_gym.reports.manoeuvre import CONDITION, rows, title
+from ship_gym.reports.manoeuvre import CONDITION, title
+from ship_gym.reports.measures import rows
 
 _OUTLINE_EVERY = 30.0  # deg of heading
 _SHOWN = 540.0  # deg of heading in the time histories

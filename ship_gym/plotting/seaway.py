@@ -26,7 +26,8 @@ from ship_gym.plotting.figure import (
 from ship_gym.recording.hull_shape import deck_outline
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.reports.case import Case
-from ship_gym.reports.manoeuvre import CONDITION, rows, title, wave_share
+from ship_gym.reports.manoeuvre import CONDITION, title, wave_share
+from ship_gym.reports.measures import rows
 
 _OUTLINE_EVERY = 45.0  # deg of heading
 _SHOWN = math.radians(560.0)  # heading up to which a turn is drawn; drift is counted to 540 deg

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 
 from ship_gym.plotting.figure import BLUE, FAINT, INK, MEASURED, headline, picture
-from ship_gym.reports.manoeuvre import DIRECTIONS
+from ship_gym.reports.measures import DIRECTIONS
 from ship_gym.reports.trials import Comparison, summary_text
 
 _LINE = 0.19  # inches for each measure

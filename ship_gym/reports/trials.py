@@ -14,7 +14,7 @@ from ship_gym.config import read_toml
 from ship_gym.csv_file import read_csv
 from ship_gym.provenance import atomic_path, git_commit
 from ship_gym.reports.case import Case
-from ship_gym.reports.manoeuvre import (
+from ship_gym.reports.measures import (
     DIRECTIONS,
     Row,
     deviations_text,

@@ -11,7 +11,7 @@ from ship_gym.plotting import plot_manoeuvre
 from ship_gym.plotting.seaway import plot_turning_in_waves
 from ship_gym.plotting.trials import plot_trials
 from ship_gym.reports.case import sail_trial
-from ship_gym.reports.manoeuvre import Row
+from ship_gym.reports.measures import Row
 from ship_gym.reports.trials import Comparison
 from ship_gym.ships.loader import load_ship
 

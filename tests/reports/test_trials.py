@@ -10,7 +10,7 @@ import pytest
 from ship_gym.config import ConfigError
 from ship_gym.reports import trials as report
 from ship_gym.reports.case import sail_trial
-from ship_gym.reports.manoeuvre import Row
+from ship_gym.reports.measures import Row
 from ship_gym.ships.files import available_ships
 from ship_gym.ships.loader import load_ship
 
