@@ -17,6 +17,8 @@ from reproduce import (
     unsteady_tables,
 )
 from reproduce.unsteady import compare_seeds
+from reproduce.white import as_dict as white_findings
+from reproduce.white import as_text as white_text
 
 # what is computed and how it is shown
 PARTS = {
@@ -37,6 +39,8 @@ PARTS = {
     "stern": (stern_tables.as_dict, stern_tables.as_text),
     # turning circles and zig-zags of KCS with each family of surrogate
     "families": (families.as_dict, families.as_text),
+    # White (2020): turning circles in waves of DTC and KCS
+    "white": (white_findings, white_text),
 }
 EXAMPLES = (
     "python scripts/reproduce.py                  # everything",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.reports.case import sail
+from ship_gym.reports.case import sail, sail_trial
 from ship_gym.reports.surrogate_printed import (
     printed_errors,
     printed_means,
@@ -176,8 +176,8 @@ def turning_check(ship: Ship, table: Table, name: str) -> dict[str, Any]:
     """
     measured = next((t for t in ship.trials if t.manoeuvre == "turning_circle"), None)
     delta_deg = measured.delta_deg if measured else float(np.degrees(ship.gear.delta_max))
-    speed, n = (measured.speed, measured.n) if measured else (None, None)
-    case = sail(attach_surrogate(ship, table, name), delta_deg=delta_deg, speed=speed, n=n)
+    vessel = attach_surrogate(ship, table, name)
+    case = sail_trial(vessel, measured) if measured else sail(vessel, delta_deg=delta_deg)
     return {
         "delta_deg": delta_deg,
         "measures": case.result.measures(),

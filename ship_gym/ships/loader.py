@@ -43,13 +43,13 @@ from ship_gym.ships.particulars import (
     Rudder,
     Ship,
     SteeringGear,
-    Trial,
     WindAreas,
     check_sections,
 )
 from ship_gym.ships.reader import Reader
 from ship_gym.ships.records import numbered
 from ship_gym.ships.scaling import scaled
+from ship_gym.ships.trials import Trial, scaled_trial
 from ship_gym.tables import Table
 
 _SECTIONS = {
@@ -190,7 +190,7 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
     top = {
         key: reader.number(key, unit, data[key], length, data["source"]) for key, unit in _TOP_UNITS
     }
-    trials = tuple(build(Trial, trial, f"{path}: trial") for trial in data.get("trial", []))
+    trials = tuple(_trial(trial, f"{path}: trial", length) for trial in data.get("trial", []))
     return Ship(
         name=name_of(path),
         title=data["title"],
@@ -212,6 +212,12 @@ def _propulsion(data: Mapping[str, Any], path: Path) -> tuple[PropulsionPoint, .
     """Published points of self-propulsion of a ship file."""
     where = f"{path}: propulsion"
     return tuple(build(PropulsionPoint, point, where) for point in data.get("propulsion", []))
+
+
+def _trial(entry: Mapping[str, Any], where: str, length: float) -> Trial:
+    """A trial at the scale of its ship of length `length` [m]."""
+    trial = build(Trial, entry, where)
+    return trial if trial.length is None else scaled_trial(trial, length / trial.length)
 
 
 def _wave_table(path: Path) -> str:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError, check_number
+from ship_gym.ships.trials import Trial
 from ship_gym.tables import Table
 
 
@@ -215,20 +216,6 @@ class WindAreas:
         for name in ("A_SS", "perimeter", "masts"):
             check_number(f"wind.{name}", getattr(self, name), 0.0)
         check_number("wind.s_L", self.s_L, -0.5 * self.L_oa, 0.5 * self.L_oa, "m")
-
-
-@dataclasses.dataclass(frozen=True)
-class Trial:
-    """A measured manoeuvre to compare with."""
-
-    manoeuvre: str  # "turning_circle" or "zigzag"
-    source: str
-    delta_deg: float  # rudder angle, > 0 to starboard
-    speed: float  # approach speed [m/s] at the scale of this ship
-    # name as in the result of the manoeuvre -> printed value
-    measures: dict[str, Any] = dataclasses.field(hash=False)
-    psi_deg: float = 0.0  # zig-zag heading; sign as delta
-    n: float | None = None  # propeller speed [rev/s]; None: self-propulsion
 
 
 @dataclasses.dataclass(frozen=True)

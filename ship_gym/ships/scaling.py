@@ -7,7 +7,8 @@ import math
 
 from ship_gym.config import check_number
 from ship_gym.conventions import NU_SEA, RHO_SEA
-from ship_gym.ships.particulars import Hull, PropulsionPoint, Ship, Trial
+from ship_gym.ships.particulars import Hull, PropulsionPoint, Ship
+from ship_gym.ships.trials import scaled_trial
 
 # SI unit -> power of the length ratio by Froude's law
 _POWERS = {
@@ -22,12 +23,6 @@ _POWERS = {
     "rev/s": -0.5,
     "rev/s2": -1.0,
     "N m": 4.0,
-}
-# measures of a trial in N or N m -> power of the length ratio; the others are in L or ratios
-_MEASURE_POWERS = {
-    "steady_thrust": 3.0,
-    "rudder_normal_force": 3.0,
-    "steady_torque": 4.0,
 }
 # powers of the length ratio for a point of self-propulsion; the speeds go with its root
 _POINT_POWERS = {"thrust": 3.0, "effective_power": 3.5, "delivered_power": 3.5}
@@ -110,7 +105,7 @@ def scaled(
         hull = dataclasses.replace(hull, R_0=hull.R_0 - (old - new) * hull.S / (hull.L * hull.d))
     of_model = friction_correction and ratio != 1.0
     trials = tuple(
-        _scaled_trial(t, ratio, density, f"model trial of {ship.name}" if of_model else "")
+        scaled_trial(t, ratio, density, f"model trial of {ship.name}" if of_model else "")
         for t in ship.trials
     )
     points = () if of_model else tuple(_scaled_point(p, ratio, density) for p in ship.propulsion)
@@ -160,23 +155,6 @@ def _scaled_point(point: PropulsionPoint, ratio: float, density_ratio: float) ->
     }
     n = None if point.n is None else point.n / root
     return dataclasses.replace(point, speed=point.speed * root, n=n, **forces)
-
-
-def _scaled_trial(trial: Trial, ratio: float, density_ratio: float, model: str) -> Trial:
-    """A trial at the new scale; of a `model` trial no propeller speed and no force is left."""
-    root, measures = math.sqrt(ratio), {}
-    for name, value in trial.measures.items():
-        if name not in _MEASURE_POWERS:
-            measures[name] = value
-        elif not model:
-            measures[name] = value * ratio ** _MEASURE_POWERS[name] * density_ratio
-    return dataclasses.replace(
-        trial,
-        speed=trial.speed * root,
-        n=None if trial.n is None or model else trial.n / root,
-        measures=measures,
-        source=f"{model}: {trial.source}" if model else trial.source,
-    )
 
 
 def _scaled_surrogate(table, ratio: float):

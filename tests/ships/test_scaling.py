@@ -126,10 +126,17 @@ def test_trials_of_a_corrected_ship_are_named_as_the_model_s():
     for name in ("kcs", "kvlcc2"):
         for trial in load_ship(name).trials:
             assert trial.n is None and trial.source.startswith("model trial of")
-            assert not {"steady_thrust", "rudder_normal_force"} & set(trial.measures)
+            forces = {"steady_thrust", "steady_torque", "movable_rudder_force"}
+            assert not forces & set(trial.measures)
+            assert all(not forces & set(values) for values in trial.others.values())
     same = scaled(load_ship("kcs_model"), 6.114, rho=999.103, friction_correction=False)
     assert same.trials[0].measures["steady_thrust"] == pytest.approx(5.14 * 8.0)
     assert same.trials[0].n == pytest.approx(10.2 / math.sqrt(2.0))
+    waves = [trial for trial in same.trials if trial.waves]
+    assert [t.wave_height for t in waves] == [pytest.approx(2.0 * 0.048)]
+    assert waves[0].wavelength == 1.0
+    assert waves[0].others["8 point G2"]["steady_thrust"] == pytest.approx(7.963 * 8.0)
+    assert load_ship("kcs").trials[-1].wave_height == pytest.approx(0.048 * 230.0 / 3.057)
 
 
 def test_scaling_down_again_gives_the_model_back():
