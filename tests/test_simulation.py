@@ -7,6 +7,7 @@ from ship_gym.config import ConfigError
 from ship_gym.sea import CALM, Sea, available_seas, load_sea
 from ship_gym.ships import load_ship
 from ship_gym.simulation import ShipSim, SimulationDiverged, self_propulsion, straight_forces
+from tests.conftest import symmetric
 
 
 def test_self_propulsion_balances_surge(ship):
@@ -27,7 +28,8 @@ def test_speed_beyond_the_engine(kcs_model):
 
 
 def test_a_straight_course_stays_straight(ship):
-    sim = ShipSim(ship, 1)
+    """With the rudder amidships, but for the bias of a single screw."""
+    sim = ShipSim(symmetric(ship), 1)
     sim.reset(0)
     for _ in range(50):
         sim.step([[0.0, sim.state[0, 7]]], 1.0 / ship.time_unit)

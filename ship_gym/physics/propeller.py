@@ -2,7 +2,9 @@
 
 The surrogate of Knight (2021), PhD thesis, University of Michigan, section 3.2, knows one rudder
 angle (35 deg). Straight ahead the propeller is its open-water curve in the wake; between, the two
-are blended with the square of the rudder angle (our choice, physics of neither source).
+are blended with the square of the rudder angle (our choice, physics of neither source). Where that
+curve is measured, the surrogate has been shifted to it (``records.anchored``), so the blend alone
+takes no thrust away.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from ship_gym.physics.quantities import Force
 # Channels of ``Ship.surrogate`` (coefficients over the advance angle) and of ``Ship.open_water``;
 # the standard deviation of channel k < TRUST is channel STD + k.
 C_T, C_Q, C_S, C_N, C_A, TRUST, STD = range(7)
+SWAY_LIMIT = 0.3  # (v_P / U)^2 of a 35 deg turn of the S-175, the range of its wake law
 J_LIMIT = 10.0  # reported advance ratio of a stopped propeller instead of infinity
 
 
@@ -37,17 +40,31 @@ class Race(NamedTuple):
 
 @kernel
 def wake(inflow, r, propeller):
-    """Effective velocity ratio 1 - w_P while manoeuvring.
+    """Effective velocity ratio 1 - w_P while manoeuvring; `inflow` is an `Inflow`.
 
-    YY15 if ``wake_C1 > 0``; otherwise ``w_P = w_P0 exp(-wake_beta2 beta_P^2)`` (Yoshimura et al.
-    2013). beta_P = beta - x'_P r' (YY15); `inflow` is an `Inflow`.
+    Four laws, by the ship file:
+
+    - ``wake_l_P < 0``: ``w_P0 [1 - (1 - cos^2 beta_P) (1 - |beta_P|)]`` with its own lever of the
+      yaw rate (KCS hull set B); beyond 1 rad of beta_P, where it is back at w_P0, it stays there;
+    - ``wake_C1 > 0``: YY15;
+    - ``wake_tau > 0``: ``w_P0 - wake_tau (v_P / U)^2`` (Son & Nomoto 1982), the square up to 0.3;
+    - else ``w_P0 exp(-wake_beta2 beta_P^2)`` (Yoshimura et al. 2013).
+
+    beta_P = beta - x'_P r' (YY15); v_P is the sway velocity at x_P.
     """
     U, beta = inflow
+    if propeller.wake_l_P < 0.0:
+        beta_P = abs(beta - propeller.wake_l_P * r / U) if U > 0.0 else 0.0
+        sine = math.sin(beta_P)
+        return 1.0 - propeller.w_P0 * (1.0 - sine * sine * max(1.0 - beta_P, 0.0))
     beta_P = beta - propeller.x_P * r / U if U > 0.0 else 0.0
     if propeller.wake_C1 > 0.0:
         C2 = propeller.wake_C2_p if beta_P > 0.0 else propeller.wake_C2_n
         rise = (1.0 - math.exp(-propeller.wake_C1 * abs(beta_P))) * (C2 - 1.0)
         return (1.0 - propeller.w_P0) * (1.0 + rise)
+    if propeller.wake_tau > 0.0:
+        v_P = math.sin(beta) - beta + beta_P
+        return 1.0 - propeller.w_P0 + propeller.wake_tau * min(v_P * v_P, SWAY_LIMIT)
     return 1.0 - propeller.w_P0 * math.exp(-propeller.wake_beta2 * beta_P * beta_P)
 
 

@@ -1,6 +1,8 @@
 """Rudder forces: effective inflow at every angle, anchored to the CFD samples at the trained one.
 
-Law: Yasukawa & Yoshimura (2015) (YY15). Samples: Knight (2021), rudder at 35 deg.
+Law: Yasukawa & Yoshimura (2015) (YY15), with the constants of the ship's captive tests; of a ship
+without any, fitted to the samples (``loader.attach_surrogate``). Samples: Knight (2021), rudder at
+35 deg.
 """
 
 from __future__ import annotations
@@ -58,9 +60,42 @@ def lateral_inflow(inflow, r, rudder):
 
 
 @kernel
-def straightening(v_geometric, side, rudder):
-    """gamma_R for this side of the inflow; `side` = -1 mirrors the ship."""
-    return rudder.gamma_R_p if side * v_geometric > 0.0 else rudder.gamma_R_n
+def straightening(v_geometric, U, side, rudder):
+    """gamma_R at this inflow; `side` = -1 mirrors the ship.
+
+    Each side's own from ``gamma_R_over`` of inflow angle on; between, a cubic through their mean.
+    So a small motion to either side is answered alike (our choice: YY15 jumps at zero).
+    """
+    v = side * v_geometric
+    within = rudder.gamma_R_over * U
+    if v >= within:
+        return rudder.gamma_R_p
+    if v <= -within:
+        return rudder.gamma_R_n
+    t = v / within
+    mean = 0.5 * (rudder.gamma_R_p + rudder.gamma_R_n)
+    return mean + 0.25 * (rudder.gamma_R_p - rudder.gamma_R_n) * t * (3.0 - t * t)
+
+
+@kernel
+def cross_inflow(v_geometric, U, u_R, side, rudder):
+    """v_R [m/s] at the rudder: straightened, and the race's swirl that a neutral angle cancels."""
+    gamma_R = straightening(v_geometric, U, side, rudder)
+    return gamma_R * v_geometric + side * rudder.neutral * u_R
+
+
+@kernel
+def cubic_inflow(motion, U, ship):
+    """Further v_R [m/s] of Son & Nomoto (1982), cubic in r' and v'; r' up to 1, their turns' range.
+
+    They print v_R' = g_a v' + c_Rr r' + c_Rrrr r'^3 + c_Rrrv r'^2 v', of the other sign than v_R.
+    """
+    _, v, r = motion
+    k = ship.rudder
+    if U <= 0.0 or (k.v_rrr == 0.0 and k.v_rrv == 0.0):
+        return 0.0
+    r_ = max(min(r * ship.hull.L / U, 1.0), -1.0)
+    return -r_ * r_ * (k.v_rrr * r_ * U + k.v_rrv * v)
 
 
 @kernel
@@ -123,19 +158,22 @@ def rudder_on_plate(motion, delta, inflow, wash, ship, tables):
     u = u - k.y_R * r + 0.0  # never -0, as in `propeller_forces`
     v_local = v + k.x_R * r
     beta_R = math.atan2(-v_local, u)
+    U, _ = inflow
     if k.beaufoy > 0.0:
-        U, _ = inflow
         return beaufoy(U, direction[0], k.A_R), 0.0, beta_R
     u_R = axial_inflow(u, race, ship)
     v_g = lateral_inflow(inflow, r, k)
-    F_N = normal_force(direction, u_R, straightening(v_g, 1.0, k) * v_g, k, ship.rho)
+    v_3 = cubic_inflow(motion, U, ship)
+    v_R = cross_inflow(v_g, U, u_R, 1.0, k) + v_3
+    F_N = normal_force(direction, u_R, v_R, k, ship.rho)
     blend, side = surrogate_blend(delta, box)
     doubt = box.z_N * box.law_std  # a draw moves the law too, by its error at the samples
     if blend <= 0.0:
         return F_N * (1.0 + doubt), 0.0, beta_R
     trained = (side * box.sin_delta, box.cos_delta)
     mirror = 1.0 if k.y_R > 0.0 else side
-    law = normal_force(trained, u_R, straightening(v_g, mirror, k) * v_g, k, ship.rho)
+    v_R = cross_inflow(v_g, U, u_R, mirror, k) + v_3
+    law = normal_force(trained, u_R, v_R, k, ship.rho)
     table = surrogate_of(side, tables)
     at = surrogate_cell(epsilon, side * beta_R, box, table)
     q = race_speed_squared(u, race.thrust, ship.propeller.D, ship.rho) + v_local * v_local

@@ -16,7 +16,7 @@ from ship_gym.physics.dynamics import forces, unit_forces
 from ship_gym.physics.quantities import Tables
 from ship_gym.plotting.figure import INK, RED
 from ship_gym.ships.particulars import Ship
-from ship_gym.ships.records import fleet
+from ship_gym.ships.records import as_computed, fleet
 from ship_gym.simulation import self_propulsion
 from ship_gym.surrogates.fit import Fit
 from ship_gym.surrogates.samples import WINDWARD
@@ -73,15 +73,16 @@ def response(ship: Ship, J: float, beta: float, side: str = "single") -> dict[st
     -------
     dict
         `QUANTITIES` in the frame of the samples: side force positive to port. ``K_T`` is along the
-        ship's axis where the samples are. Outside the trained box this is what the simulation uses
-        there: open water behind the wake and effective inflow.
+        ship's axis where the samples are. Thrust and torque are the samples', without the shift of
+        `records.anchored`. Outside the trained box this is what the simulation uses there: open
+        water behind the wake and effective inflow.
     """
     return responses(ship, np.array([J]), np.array([beta]), side)[0, 0]
 
 
 def responses(ship: Ship, J: np.ndarray, beta: np.ndarray, side: str = "single") -> np.ndarray:
     """`response` at every pair, object array of shape (len(beta), len(J))."""
-    made = fleet([ship])
+    made = fleet([as_computed(ship)])
     record, tables = made.records[0], Tables(made.open_water[0], made.deflected[0])
     mirror = -1.0 if side == WINDWARD else 1.0
     found = np.empty((len(beta), len(J)), dtype=object)

@@ -76,6 +76,8 @@ _TOP_UNITS = (("full_length", "m"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", 
 _SAME_SHIP = 0.02  # of D / L: rounding of printed particulars
 # rudder formulas in place of a fitted surrogate, with the propeller's open-water curve in the wake
 FORMULAS = ("none", "beaufoy")
+# what a set of captive tests brings to the rudder law and to the thrust straight ahead
+_CAPTIVE = ("open_water", "rudder.epsilon", "rudder.kappa", "rudder.gamma_R_p", "rudder.t_R")
 
 
 def available_variants(ship: Named) -> list[str]:
@@ -375,12 +377,16 @@ def with_beaufoy(ship: Ship) -> Ship:
 def attach_surrogate(ship: Named | Ship, table: Table, name: str) -> Ship:
     """Ship with a deflected-rudder surrogate, at any scale.
 
-    The table's card brings the effective-inflow law that was fitted to the same samples; it
-    replaces the MMG rudder whole (area, gradient, height in the race too), also of another hull
-    set. The surrogate is the force on the rudder alone, so X_R is its surge force as it stands
-    (t_R = 0).
-    A single rudder keeps the ship's ratio of flow straightening to port, since the samples are of
-    turns to starboard only; of two rudders the leeward and the windward one have their own.
+    A ship whose open-water curve and rudder constants are measured keeps them all, of its own hull
+    set: the MMG rudder with its interaction (t_R, a_H, x_H) at small angles, and straight ahead
+    the thrust of the open-water curve in the wake, to which the surrogate's is shifted
+    (``records.anchored``). At the trained angle the rudder force is the surrogate's.
+
+    A ship with estimates there gets the effective-inflow law that was fitted to the samples in the
+    table's card (area, gradient and height in the race too), and no steering deduction: the
+    surrogate is the force on the rudder alone, X_R its surge force as it stands. A single rudder
+    then keeps the ship's ratio of flow straightening to port, since the samples are of turns to
+    starboard only; of two rudders the leeward and the windward one have their own.
 
     Raises
     ------
@@ -404,13 +410,30 @@ def attach_surrogate(ship: Named | Ship, table: Table, name: str) -> Ship:
             f"surrogate {name} was made for {len(law['gamma_R'])} propellers; {ship.name} has "
             f"{ship.propellers}"
         )
+    domain = {**table.card["domain"], "S_R": made["A_R"] * ratio**2}
+    card = {**table.card, "domain": domain, "anchored": has_captive_set(ship)}
+    if not card["anchored"]:
+        ship = _with_fitted_law(ship, table.card, name)
+    return dataclasses.replace(
+        ship, surrogate=dataclasses.replace(table, card=card), surrogate_name=name
+    )
+
+
+def has_captive_set(ship: Ship) -> bool:
+    """Whether open-water curve and rudder constants of a ship are measured, none estimated."""
+    return not any(key in ship.estimated for key in _CAPTIVE)
+
+
+def _with_fitted_law(ship: Ship, card: Mapping[str, Any], name: str) -> Ship:
+    """Ship with the effective-inflow law of a surrogate's card in place of its own constants."""
+    made, law = card["made_for"], card["effective_inflow"]
     # leeward before windward; to port of a single rudder the ship file's asymmetry
     gamma_R_p, gamma_R_n = next(iter(law["gamma_R"].values())), list(law["gamma_R"].values())[-1]
     if ship.propellers == 1:
         gamma_R_n *= ship.rudder.gamma_R_n / ship.rudder.gamma_R_p
     rudder = dataclasses.replace(
         ship.rudder,
-        A_R=made["A_R"] * ratio**2,
+        A_R=made["A_R"] * (ship.hull.L / made["L"]) ** 2,
         f_alpha=made["f_alpha"],
         eta=made["eta"],
         t_R=0.0,
@@ -419,15 +442,8 @@ def attach_surrogate(ship: Named | Ship, table: Table, name: str) -> Ship:
         gamma_R_p=gamma_R_p,
         gamma_R_n=gamma_R_n,
     )
-    domain = {**table.card["domain"], "S_R": made["A_R"] * ratio**2}
     fitted = f"fitted to the CFD samples of surrogate {name}"
     names = ("epsilon", "kappa", "gamma_R_p", "gamma_R_n")
     sources = {**ship.sources, **{f"rudder.{k}": fitted for k in names}}
     sources["rudder.t_R"] = "0: the surrogate is the force on the rudder itself"
-    return dataclasses.replace(
-        ship,
-        rudder=rudder,
-        surrogate=dataclasses.replace(table, card={**table.card, "domain": domain}),
-        surrogate_name=name,
-        sources=sources,
-    )
+    return dataclasses.replace(ship, rudder=rudder, sources=sources)

@@ -73,8 +73,13 @@ class Propeller:
     wake_C1: float = quantity("-", "wake in manoeuvres, C1 of YY15; 0: not used", 0.0)
     wake_C2_p: float = quantity("-", "their C2 for beta_P > 0", 1.0)
     wake_C2_n: float = quantity("-", "their C2 for beta_P < 0", 1.0)
+    wake_tau: float = quantity("-", "else w_P = w_P0 - wake_tau (v_P / U)^2; 0: not used", 0.0)
     wake_beta2: float = quantity("-", "else w_P = w_P0 exp(-wake_beta2 beta_P^2)", 0.0)
+    wake_l_P: float = quantity("m", "lever of r in w_P0 [1 - (1-cos^2)(1-|beta_P|)]; 0: no", 0.0)
     y_P: float = quantity("m", "distance of each of two from the centreline; 0: one", 0.0)
+
+
+_ONE_SIDED = math.radians(5.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -98,6 +103,10 @@ class Rudder:
     a_H: float = quantity("-", "rudder force increase by the hull")
     x_H: float = quantity("m", "point of attack of that increase, aft of midship negative")
     y_R: float = quantity("m", "distance of each of two from the centreline; 0: one", 0.0)
+    gamma_R_over: float = quantity("rad", "beta_R at which gamma_R is that side's own", _ONE_SIDED)
+    neutral: float = quantity("rad", "angle without force straight ahead, of a single screw", 0.0)
+    v_rrr: float = quantity("-", "c_Rrrr of Son & Nomoto (1982), v_R by r'^3", 0.0)
+    v_rrv: float = quantity("-", "their c_Rrrv, v_R by r'^2 v'", 0.0)
     beaufoy: float = quantity("-", "1: Beaufoy's formula instead of the effective inflow", 0.0)
 
 

@@ -252,7 +252,7 @@ def test_rudder_forces_in_another_normalisation(write, ship, factor):
     cells = [row.split(",") for row in ROWS]
     rows = [",".join([*c[:5], *(f"{factor * float(x):.4f}" for x in c[5:])]) for c in cells]
     (warning,) = checked(write(rows), ship)
-    assert "my.csv: C_Fx, C_Fy: normal force" in warning and "usual is 0.35 to 1.1" in warning
+    assert "my.csv: C_Fx, C_Fy: normal force" in warning and "usual is 0.35 to 1.27" in warning
 
 
 def test_one_angle_in_radians_among_degrees(write, ship):
