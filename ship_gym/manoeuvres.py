@@ -13,10 +13,11 @@ from ship_gym.conventions import PSI
 from ship_gym.provenance import provenance
 from ship_gym.recording.about import ship_meta
 from ship_gym.recording.trajectory import Trajectory
-from ship_gym.sea.state import CALM, Sea
+from ship_gym.sea.state import CALM, Sea, regular_sea
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship
-from ship_gym.ships.particulars import Ship, Trial
+from ship_gym.ships.particulars import Ship
+from ship_gym.ships.trials import Trial
 from ship_gym.simulation import ShipSim, history_columns, self_propulsion, through_water
 
 _SAMPLE = 1.0 / 400.0  # output step in L / U0: 0.08 s for KCS at 14.5 kn
@@ -305,16 +306,27 @@ class _Run:
 
 
 def run_trial(ship: Named | Ship, trial: Trial) -> TurningCircle | ZigZag:
-    """Sail a measured manoeuvre of a ship file."""
+    """Sail a measured manoeuvre of a ship file, in its waves."""
     ship = load_ship(ship)
-    delta = math.radians(trial.delta_deg)
+    delta, sea = math.radians(trial.delta_deg), trial_sea(ship, trial)
     if trial.manoeuvre == "turning_circle":
-        return turning_circle(ship, delta, trial.speed, trial.n)
+        return turning_circle(ship, delta, trial.speed, trial.n, sea)
     if trial.manoeuvre == "zigzag":
-        return zigzag(ship, delta, math.radians(trial.psi_deg), trial.speed, trial.n)
+        return zigzag(ship, delta, math.radians(trial.psi_deg), trial.speed, trial.n, sea)
     raise ConfigError(
         f"trial of {ship.name}: unknown manoeuvre {trial.manoeuvre!r}; "
         "known: turning_circle, zigzag"
+    )
+
+
+def trial_sea(ship: Ship, trial: Trial) -> Sea:
+    """The sea of a trial, for an approach to the north."""
+    if not trial.waves:
+        return CALM
+    return regular_sea(
+        0.5 * trial.wave_height,
+        wavelength=trial.wavelength * ship.hull.L,
+        direction_from=math.radians(trial.wave_from_deg),
     )
 
 

@@ -45,6 +45,7 @@ MARGIN = (0.1, math.radians(6.0))  # drawn around the trained box
 # light enough that contour labels stay readable
 WATER = LinearSegmentedColormap.from_list("water", ["#fbfaf0", "#cfe6d8", "#8cc3c9", "#5d98bd"])
 SAND = LinearSegmentedColormap.from_list("sand", ["#fdfcf7", "#f3e3c0", "#e3b778", "#cd8a4d"])
+SIGNED = LinearSegmentedColormap.from_list("signed", ["#c96a5a", "#f7f4ec", "#6d9cc4"])
 
 
 def map_axes(box: Mapping[str, float], count: int = 49) -> tuple[np.ndarray, np.ndarray]:
@@ -135,7 +136,14 @@ def turned(fit: Fit, name: str, values: np.ndarray) -> np.ndarray:
 
 
 def draw_map(
-    figure: Figure, axes: Axes, grid, values, box: Mapping[str, float], cmap=WATER, bands: int = 11
+    figure: Figure,
+    axes: Axes,
+    grid,
+    values,
+    box: Mapping[str, float],
+    cmap=WATER,
+    bands: int = 11,
+    limit: float | None = None,
 ):
     """Contours over J and beta with a frame around the trained box.
 
@@ -144,9 +152,11 @@ def draw_map(
     grid : (numpy.ndarray, numpy.ndarray)
         J [-] and beta [rad], shapes (m,) and (n,).
     values : numpy.ndarray
-        Shape (n, m). The levels are those of the trained box.
+        Shape (n, m). The levels are those of the trained box, unless there is a `limit`.
     bands : int
         About how many levels.
+    limit : float, optional
+        Levels from minus to plus this instead, for differences.
 
     Returns
     -------
@@ -160,7 +170,8 @@ def draw_map(
             (box["J_min"] <= J) & (box["J_max"] >= J),
         )
     ]
-    levels = MaxNLocator(bands).tick_values(inside.min(), inside.max())
+    ends = (inside.min(), inside.max()) if limit is None else (-limit, limit)
+    levels = MaxNLocator(bands).tick_values(*ends)
     degrees = np.degrees(beta)
     filled = axes.contourf(J, degrees, values, levels=levels, cmap=cmap, extend="both")
     drawn = axes.contour(J, degrees, values, levels=levels, colors=INK, linewidths=0.4)

@@ -39,16 +39,17 @@ from ship_gym.ships.particulars import (
     Hull,
     HullForm,
     Propeller,
+    PropulsionPoint,
     Rudder,
     Ship,
     SteeringGear,
-    Trial,
     WindAreas,
     check_sections,
 )
 from ship_gym.ships.reader import Reader
 from ship_gym.ships.records import numbered
 from ship_gym.ships.scaling import scaled
+from ship_gym.ships.trials import Trial, scaled_trial
 from ship_gym.tables import Table
 
 _SECTIONS = {
@@ -70,7 +71,7 @@ _NEEDED = (
     "open_water",
     *_SECTIONS,
 )
-_TOP = (*_NEEDED, *_OPTIONAL, "surrogate", "trial")
+_TOP = (*_NEEDED, *_OPTIONAL, "surrogate", "trial", "propulsion")
 _TOP_UNITS = (("full_length", "m"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", "m/s"))
 _SAME_SHIP = 0.02  # of D / L: rounding of printed particulars
 # rudder formulas in place of a fitted surrogate, with the propeller's open-water curve in the wake
@@ -191,7 +192,7 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
     top = {
         key: reader.number(key, unit, data[key], length, data["source"]) for key, unit in _TOP_UNITS
     }
-    trials = tuple(build(Trial, trial, f"{path}: trial") for trial in data.get("trial", []))
+    trials = tuple(_trial(trial, f"{path}: trial", length) for trial in data.get("trial", []))
     return Ship(
         name=name_of(path),
         title=data["title"],
@@ -201,11 +202,24 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
         wind_type=data.get("wind", {}).get("type", ""),
         wave_table=_wave_table(path),
         trials=trials,
+        propulsion=_propulsion(data, path),
         sources=reader.sources,
         estimated=reader.estimated,
         **top,
         **sections,
     )
+
+
+def _propulsion(data: Mapping[str, Any], path: Path) -> tuple[PropulsionPoint, ...]:
+    """Published points of self-propulsion of a ship file."""
+    where = f"{path}: propulsion"
+    return tuple(build(PropulsionPoint, point, where) for point in data.get("propulsion", []))
+
+
+def _trial(entry: Mapping[str, Any], where: str, length: float) -> Trial:
+    """A trial at the scale of its ship of length `length` [m]."""
+    trial = build(Trial, entry, where)
+    return trial if trial.length is None else scaled_trial(trial, length / trial.length)
 
 
 def _wave_table(path: Path) -> str:
@@ -239,13 +253,17 @@ def _estimated_hull(hull: Mapping[str, Any], length: float, reader: Reader) -> d
 def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
     """Ship of a file that scales another one and replaces some of its numbers."""
     sections = [*_SECTIONS, *(name for name in _OPTIONAL if getattr(base, name) is not None)]
-    allowed = ("title", "status", "scaled_from", "length", *sections)
+    own = ("title", "status", "scaled_from", "length", "wake_correction", "propulsion")
+    allowed = (*own, *sections)
     for key in data:
         if key not in allowed:
             raise ConfigError(f"{path}: unknown key {key!r};{nearest(key, allowed)}")
     reader = Reader(path, f"{base.name} by Froude's law")
     length = reader.number("length", "m", data.get("length"), math.nan, "")
-    ship = scaled(base, length)
+    wake = data.get("wake_correction", True)
+    if not isinstance(wake, bool):
+        raise ConfigError(f"{path}: wake_correction = {wake!r}: allowed is true or false")
+    ship = scaled(base, length, wake_correction=wake)
     changes = {
         name: reader.replaced(name, getattr(ship, name), data[name], length)
         for name in sections
@@ -255,6 +273,7 @@ def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
         ship,
         title=data.get("title", ship.title),
         status=data.get("status", ship.status),
+        propulsion=_propulsion(data, path),
         sources={**ship.sources, **reader.sources},
         estimated={
             **{k: v for k, v in ship.estimated.items() if k not in reader.sources},

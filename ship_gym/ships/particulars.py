@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError, check_number
+from ship_gym.ships.trials import Trial
 from ship_gym.tables import Table
 
 
@@ -227,17 +228,15 @@ class WindAreas:
 
 
 @dataclasses.dataclass(frozen=True)
-class Trial:
-    """A measured manoeuvre to compare with."""
+class PropulsionPoint:
+    """Published self-propulsion on a straight course in calm water, to compare with; SI."""
 
-    manoeuvre: str  # "turning_circle" or "zigzag"
     source: str
-    delta_deg: float  # rudder angle, > 0 to starboard
-    speed: float  # approach speed [m/s] at the scale of this ship
-    # name as in the result of the manoeuvre -> printed value
-    measures: dict[str, Any] = dataclasses.field(hash=False)
-    psi_deg: float = 0.0  # zig-zag heading; sign as delta
-    n: float | None = None  # propeller speed [rev/s]; None: self-propulsion
+    speed: float  # [m/s] at the scale of this ship
+    n: float | None = None  # propeller speed [rev/s]
+    thrust: float | None = None  # of all propellers [N]
+    effective_power: float | None = None  # resistance times speed [W]
+    delivered_power: float | None = None  # of all propellers [W]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -264,6 +263,8 @@ class Ship:
         Path of its wave table, of any scale; empty: the ship cannot sail in waves.
     form : HullForm or None
         Hull form and mass distribution, for meshes and loads in waves; None: not in the file.
+    propulsion : tuple of PropulsionPoint
+        Published points of self-propulsion, beside those of ``powering.powering``.
     sources : dict
         "section.field" to the source of its number.
     estimated : dict
@@ -291,6 +292,7 @@ class Ship:
     wind: WindAreas | None = None
     wind_type: str = ""
     wave_table: str = ""
+    propulsion: tuple[PropulsionPoint, ...] = ()
     sources: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
     estimated: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
 
@@ -323,13 +325,16 @@ class Ship:
         return math.sqrt(self.scale)
 
     def describe(self) -> str:
-        """What the model is and which of its numbers are estimates, as text."""
+        """What the model is, its power beside published ones and its estimates, as text."""
+        from ship_gym.ships.powering import powering_text  # late: it is about ships
+
         lines = [
             f"{self.name}: {self.title}",
             f"  status: {self.status}; hull set: {self.variant}; surrogate: {self.surrogate_name}",
             f"  L {self.hull.L:.4g} m, B {self.hull.B:.4g} m, d {self.hull.d:.4g} m, "
             f"nominal speed {self.speed:.4g} m/s (Fn {self.froude(self.speed):.3f})",
         ]
+        lines += [f"  {line}" for line in powering_text(self)]
         lines += [f"  estimated {name}: {why}" for name, why in self.estimated.items()]
         return "\n".join(lines)
 
