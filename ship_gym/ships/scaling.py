@@ -22,6 +22,7 @@ _POWERS = {
     "rev/s": -0.5,
     "rev/s2": -1.0,
     "N m": 4.0,
+    "kg m2": 5.0,
 }
 # measures of a trial in N or N m -> power of the length ratio; the others are in L or ratios
 _MEASURE_POWERS = {
@@ -41,7 +42,7 @@ def scaled_section(section, ratio: float, density_ratio: float = 1.0):
     changes = {}
     for field in dataclasses.fields(section):
         unit = field.metadata["unit"]
-        factor = ratio ** _POWERS[unit] * (density_ratio if unit == "N m" else 1.0)
+        factor = ratio ** _POWERS[unit] * (density_ratio if unit in ("N m", "kg m2") else 1.0)
         changes[field.name] = getattr(section, field.name) * factor
     return dataclasses.replace(section, **changes)
 
