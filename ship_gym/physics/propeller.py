@@ -4,9 +4,10 @@ The surrogate of Knight (2021), PhD thesis, University of Michigan, section 3.2,
 angle (35 deg). Straight ahead the propeller is its open-water curve in the wake; between, the two
 are blended with the square of the rudder angle (our choice, physics of neither source).
 
-Open water holds for all four quadrants, the surrogate ahead only (its table ends at J > 0). Assumed,
-measured for none of these ships: going astern the propeller meets undisturbed water (no wake),
-braking (n < 0 < u) or idling the wake of the ship ahead; the thrust deduction is t_P throughout.
+Open water holds for all four quadrants, the surrogate ahead only (its table ends at J > 0).
+Assumed, measured for none of these ships: going astern the propeller meets undisturbed water (no
+wake), braking (n < 0 < u) or idling it meets the wake of the ship ahead; the thrust deduction is
+t_P throughout; a reversed propeller has no side force of its own (the paddle-wheel effect).
 """
 
 from __future__ import annotations

@@ -160,7 +160,7 @@ def test_no_jump_at_any_drift_angle_ahead_and_astern(name, share, delta):
 
     fine, coarse = (np.abs(np.diff(sampled(c), axis=0)).max(axis=0) for c in (8001, 501))
     changing = coarse > 1e-9 * np.abs(sampled(101)).max(axis=0)
-    # 1/16 where smooth, up to 0.36 at the root where a reversed propeller stops its race, 1 at a jump
+    # 1/16 where smooth, 0.36 at the root where a reversed propeller stops its race, 1 at a jump
     assert (fine[changing] / coarse[changing]).max() < 0.45
 
 

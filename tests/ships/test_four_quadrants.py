@@ -89,7 +89,7 @@ def test_no_jump_and_no_kink_at_the_joints(ship):
     bend = np.abs(np.diff(slope, axis=0))  # per step of 0.3 deg
     lows, highs = (at(J) for J in ship.open_water.card["J_range"])
     joints = [lows - JOIN, lows, highs, highs + JOIN]
-    near = [int(round((e - ROUND.start) / ROUND.step)) for e in joints]
+    near = [round(float(e - ROUND.start) / ROUND.step) for e in joints]
     assert all((bend[k - 3 : k + 2] < 0.2).all() for k in near)
 
 
