@@ -173,7 +173,9 @@ def acceleration(
     check_number("share", share, 0.01, 0.99)
     run = Run(ship, U0, n, sea, _SAMPLE, at_rest=True)
     slower = _slower_than(share * U0)
-    _until(run, lambda sim, t: not slower(sim, t), delta, U0, f"does not reach {share * U0:.4g} m/s")
+    _until(
+        run, lambda sim, t: not slower(sim, t), delta, U0, f"does not reach {share * U0:.4g} m/s"
+    )
     config = {"delta": delta, "speed": U0, "n": n, "share": share}
     return _measured(run, U0, {"manoeuvre": "acceleration", **config})
 
