@@ -13,11 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ship_gym.csv_file import read_csv
 from ship_gym.ships.b_series import b_series
 
 _FILE = Path(__file__).with_name("four_quadrants.csv")
 # 100 C_T* and -1000 C_Q* are tabulated
 _UNITS = np.array([0.01, -0.001])
+_COLUMNS = ("blades", "area_ratio", "pitch_ratio", "k", "A_T", "B_T", "A_Q", "B_Q")
 _AREA, _SMALL_AREA = 0.70, 0.40  # of the four-bladed screws; the second at pitch ratio 1.0 only
 
 
@@ -33,7 +35,8 @@ class Screw:
 @functools.cache
 def _screws() -> dict[tuple[int, float, float], np.ndarray]:
     """(blades, area ratio, pitch ratio) to harmonics (31, 2, 2): order, C_T or C_Q, cos or sin."""
-    rows = np.loadtxt(_FILE, delimiter=",", comments="#", skiprows=4)
+    table = read_csv(_FILE)
+    rows = np.stack([table.columns[name] for name in _COLUMNS], axis=1)
     found: dict[tuple[int, float, float], np.ndarray] = {}
     for key in np.unique(rows[:, :3], axis=0):
         mine = rows[(rows[:, :3] == key).all(axis=1), 4:]
@@ -42,11 +45,12 @@ def _screws() -> dict[tuple[int, float, float], np.ndarray]:
 
 
 def harmonics(screw: Screw) -> np.ndarray:
-    """Harmonics of the screw of the series that is nearest to a propeller.
+    """Harmonics of the screws of the series that are nearest to a propeller.
 
-    Five and more blades: B5-75, pitch ratio 1.0. Fewer: B4-70, linear in the pitch ratio from 0.6
-    to 1.4, plus (area ratio below 0.70) what B4-40 differs from B4-70 at pitch ratio 1.0, in
-    proportion to the area: a stopped propeller's drag goes with its blades. Estimated.
+    B4-70, linear in the pitch ratio from 0.6 to 1.4, plus what another screw differs from it at
+    pitch ratio 1.0: B5-75 for five and more blades; B4-40, in proportion to the area, for fewer
+    blades of less area, since a stopped propeller's drag goes with its blades. That difference of
+    thrust and of torque grows with the pitch as the root mean square of B4-70 does. Estimated.
 
     Returns
     -------
@@ -54,17 +58,19 @@ def harmonics(screw: Screw) -> np.ndarray:
         Shape (31, 2, 2): order k, 100 C_T* and -1000 C_Q*, cosine and sine.
     """
     known = _screws()
-    if screw.blades >= 5:
-        return known[5, 0.75, 1.0]
     pitches = sorted(pitch for blades, area, pitch in known if (blades, area) == (4, _AREA))
     pitch = min(max(screw.pitch_ratio, pitches[0]), pitches[-1])
     k = min(int(np.searchsorted(pitches, pitch, side="right")), len(pitches) - 1)
     low, high = pitches[k - 1], pitches[k]
     share = (pitch - low) / (high - low)
     found = (1.0 - share) * known[4, _AREA, low] + share * known[4, _AREA, high]
+    plain = known[4, _AREA, 1.0]
+    size = np.sqrt((found**2).sum(axis=(0, 2)) / (plain**2).sum(axis=(0, 2)))[:, None]
+    if screw.blades >= 5:
+        return found + size * (known[5, 0.75, 1.0] - plain)
     area = min(max(screw.area_ratio, _SMALL_AREA), _AREA)
     smaller = (_AREA - area) / (_AREA - _SMALL_AREA)
-    return found + smaller * (known[4, _SMALL_AREA, 1.0] - known[4, _AREA, 1.0])
+    return found + smaller * size * (known[4, _SMALL_AREA, 1.0] - plain)
 
 
 def starred_of(screw: Screw, epsilon) -> np.ndarray:

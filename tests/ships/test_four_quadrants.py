@@ -58,6 +58,10 @@ def test_pitch_and_area_lie_between_the_tabulated_screws():
     )
     small, large = (starred_of(Screw(0.721, area, 4), math.pi / 2)[0] for area in (0.431, 0.7))
     assert 0.4 < small / large < 0.7  # about as the areas, 0.62
+    lever = [
+        np.divide(*starred_of(Screw(0.721, area, 4), math.pi / 2)[::-1]) for area in (0.431, 0.7)
+    ]
+    assert lever[0] == pytest.approx(lever[1], rel=0.25)  # torque by thrust: the same pitch
 
 
 def test_nearest_screw_finds_a_screw_of_the_series():
