@@ -268,7 +268,7 @@ def account_batch(states, before, flow, ships, seas, tasks, failed, reached, res
         diverged[i] = not (good and math.isfinite(total))
         lost += 1 if diverged[i] else 0
         result.power = 0.0 if diverged[i] else shaft_power(before[i, N], flow[i, FLOW_TORQUE])
-        result.energy += result.power * task.dt
+        result.energy += max(result.power, 0.0) * task.dt  # a driven shaft gives nothing back
         failure = failed[result.outcome]
         saturated = abs(states[i, DELTA]) >= SATURATED * ships[i].gear.delta_max
         result.cost = 1.0 if saturated or failure else 0.0

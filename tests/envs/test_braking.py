@@ -36,6 +36,18 @@ def test_braking_stops_the_ship_sooner_than_a_stopped_propeller():
     assert all(env.observation_space.contains(row) for row in seen)
 
 
+def test_a_propeller_driven_by_the_water_gives_no_energy_back():
+    env = ShipEnv(scenario="course_calm", control="rudder+rpm", overrides={"astern": 0.6})
+    env.reset(seed=0)
+    energy, power = [], []
+    for _ in range(120):
+        *_, info = env.step(np.array([0.0, -1.0]))
+        energy.append(info["energy"])
+        power.append(info["power"])
+    assert min(power) < 0.0 < max(power[60:])  # driven first, then working astern
+    assert (np.diff(energy) >= 0.0).all()
+
+
 @pytest.mark.parametrize(("action", "share"), [(-1.0, -0.5), (1.0, 1.0), (-1.0 / 3.0, 0.0)])
 def test_range_of_the_command(action, share):
     env, _ = braked(0.5, 1, action)
