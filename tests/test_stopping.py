@@ -57,13 +57,14 @@ def test_stopping_distance_is_of_the_order_of_imos_limit(name):
 
 @pytest.mark.parametrize(("deduction", "reach"), [(0.0, 27.0), (None, 28.8)])
 def test_kcs_coasts_with_a_locked_propeller(deduction, reach):
-    """27 L to 10 % of 14.5 kn: an independent integration with B5-75 that takes the whole thrust.
+    """27 L to 10 % of 14.5 kn in a wake of 0.353: an independent integration, whole thrust.
 
     With t_P on it too, as assumed here, 28.8 L; without the propeller's drag it was 47 L.
     """
     ship = load_ship("kcs")
-    if deduction is not None:
-        ship = dataclasses.replace(ship, propeller=dataclasses.replace(ship.propeller, t_P=0.0))
+    t_P = ship.propeller.t_P if deduction is None else deduction
+    propeller = dataclasses.replace(ship.propeller, w_P0=0.353, t_P=t_P)
+    ship = dataclasses.replace(ship, propeller=propeller)
     sim = ShipSim(ship, 1)
     sim.reset(0, n=0.0)
     while sim.state[0, 0] > 0.1 * ship.speed:

@@ -1,5 +1,6 @@
 """Propeller and rudder braking, astern and at rest: no jump, the right scale, the right size."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -65,8 +66,10 @@ def test_froude_scale_of_every_quadrant(name, u, n):
 
 @pytest.mark.parametrize(("share", "drag"), [(0.0, -0.76), (0.3, -0.55)])
 def test_slow_and_stopped_propeller_of_kcs(share, drag):
-    """Thrust over resistance that B5-75 gives, an independent evaluation of its harmonics."""
+    """Thrust over resistance that B5-75 gives in a wake of 0.353, an independent evaluation."""
     ship = load_ship("kcs")
+    propeller = dataclasses.replace(ship.propeller, w_P0=0.353)
+    ship = dataclasses.replace(ship, propeller=propeller)
     n = self_propulsion(ship, ship.speed)
     resistance = -straight_forces(ship, ship.speed, n)[0].hull.X
     _, flow = straight_forces(ship, ship.speed, share * n)
