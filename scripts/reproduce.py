@@ -4,13 +4,24 @@ from __future__ import annotations
 
 from _cli import parser, progress, run, show
 
-from reproduce import families, rudder_formulas, thesis_tables, unsteady_tables
+from reproduce import (
+    families,
+    measured_motion,
+    open_water_example,
+    rudder_formulas,
+    thesis_tables,
+    unsteady_tables,
+)
 from reproduce.unsteady import compare_seeds
 
 # what is computed and how it is shown
 PARTS = {
-    # Knight (2021): regression, process, error budget
+    # Knight (2021): regression, process, error budget; a quarter of a minute
     "thesis": (thesis_tables.as_dict, thesis_tables.as_text),
+    # Knight (2021): mean forces in the measured turn, and the state that they fix
+    "forces": (measured_motion.as_dict, measured_motion.as_text),
+    # Knight (2021): the one-dimensional example
+    "example": (open_water_example.as_dict, open_water_example.as_text),
     # Knight & Maki (2020): order of the regression, early stopping; half a minute
     "network": (lambda: unsteady_tables.as_dict(compare_seeds()), unsteady_tables.as_text),
     # Stern et al. (2021): Beaufoy's formula and the MMG rudder
@@ -20,7 +31,7 @@ PARTS = {
 }
 EXAMPLES = (
     "python scripts/reproduce.py                  # everything",
-    "python scripts/reproduce.py thesis families",
+    "python scripts/reproduce.py thesis forces families",
     "python scripts/reproduce.py rudder --json > runs/rudder.json",
 )
 

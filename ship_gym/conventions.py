@@ -76,10 +76,16 @@ FORCE_COMPONENTS = tuple(force.name for force in FORCES)
 FORCE_AXES = ("X", "Y", "N")
 N_FORCES = len(FORCES)
 
-# Flow diagnostics that accompany the forces.
+# Flow diagnostics that accompany the forces, of all propellers and rudders together.
 FLOW_NAMES = ("J", "beta_P", "beta_R", "thrust", "torque", "rudder_normal_force", "extrapolation")
 FLOW_J, FLOW_BETA_P, FLOW_BETA_R, FLOW_THRUST, FLOW_TORQUE, FLOW_F_N, FLOW_EXTRAPOLATION = range(7)
 N_FLOW = 7
+# Of a ship with two also those of each unit, a propeller with its rudder, in the axes of the ship:
+# J_starboard ... rudder_normal_force_port. They stand behind the common ones, so that a row of
+# N_FLOW columns is one of a ship with a single unit, and FLOW_OF_UNITS[:width] names either.
+UNITS = ("starboard", "port")
+UNIT_NAMES = ("J", "beta_P", "beta_R", "thrust", "torque", "rudder_normal_force")
+FLOW_OF_UNITS = FLOW_NAMES + tuple(f"{name}_{side}" for side in UNITS for name in UNIT_NAMES)
 
 G = 9.80665  # standard gravity [m/s2], CGPM 1901
 RHO_SEA = 1026.021  # sea water at 15 C [kg/m3], ITTC 7.5-02-01-03 (2011) table 2

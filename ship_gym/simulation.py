@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from ship_gym.config import ConfigError, check_angle, check_number
 from ship_gym.conventions import (
     COMMAND_NAMES,
-    FLOW_NAMES,
+    FLOW_OF_UNITS,
     FORCE_AXES,
     FORCE_COMPONENTS,
     N_COMMANDS,
@@ -69,7 +69,9 @@ class ShipSim:
         X, Y [N], N [N m] by component at the start of the last step, shape
         (n, N_FORCES, 3), ``conventions.FORCE_COMPONENTS`` by ``FORCE_AXES``.
     flow : numpy.ndarray
-        Diagnostics at the start of the last step, shape (n, 7), ``conventions.FLOW_NAMES``.
+        Diagnostics at the start of the last step, shape (n, 7), ``conventions.FLOW_NAMES``; where
+        a ship has two propellers (n, 19), ``conventions.FLOW_OF_UNITS``. Those of a single
+        propeller stand there as the starboard one's, the port one's are zero.
     waves : numpy.ndarray
         Wave drift and wave-frequency motion now, at the end of the last step, shape (n, 9),
         ``physics.waves.WAVE_NAMES``. The motion is what sensors see on top of the state.
@@ -104,7 +106,8 @@ class ShipSim:
         self.time = np.zeros(self.n)
         self.commands = np.zeros((self.n, N_COMMANDS))
         self.forces = np.zeros((self.n, N_FORCES, len(FORCE_AXES)))
-        self.flow = np.zeros((self.n, N_FLOW))
+        two = any(ship.propellers == 2 for ship in self.ships)
+        self.flow = np.zeros((self.n, len(FLOW_OF_UNITS) if two else N_FLOW))
         self._clock = np.zeros((self.n, 2))
         self._longest = np.array([longest_step(s) for s in self.ships])
 
@@ -352,7 +355,7 @@ def history_columns(
     Parameters
     ----------
     time, state, command, forces, flow, waves : numpy.ndarray
-        Shapes (T,), (T, 8), (T, 2), (T, N_FORCES, 3), (T, 7), (T, 9): row k holds the
+        Shapes (T,), (T, 8), (T, 2), (T, N_FORCES, 3), (T, 7) or (T, 19), (T, 9): row k holds the
         state at ``time[k]``, the command given then and the forces, flow and waves at that instant.
 
     Returns
@@ -367,7 +370,7 @@ def history_columns(
     for i, component in enumerate(FORCE_COMPONENTS):
         for k, axis in enumerate(FORCE_AXES):
             columns[f"{axis}_{component}"] = forces[:, i, k]
-    columns.update({name: flow[:, i] for i, name in enumerate(FLOW_NAMES)})
+    columns.update({name: flow[:, i] for i, name in enumerate(FLOW_OF_UNITS[: flow.shape[1]])})
     for name in ("sway", "roll", "yaw", "yaw_rate"):
         columns[f"wave_{name}"] = waves[:, WAVE_NAMES.index(name)]
     return {name: np.array(values, dtype=np.float64) for name, values in columns.items()}

@@ -21,3 +21,6 @@ def test_names_and_indices_agree():
     assert len(c.FORCE_COMPONENTS) == c.N_FORCES and len(c.FLOW_NAMES) == c.N_FLOW
     assert c.FLOW_NAMES[c.FLOW_F_N] == "rudder_normal_force"
     assert c.FLOW_NAMES[c.FLOW_EXTRAPOLATION] == "extrapolation"
+    assert c.FLOW_OF_UNITS[: c.N_FLOW] == c.FLOW_NAMES
+    assert c.FLOW_OF_UNITS[c.N_FLOW :: len(c.UNIT_NAMES)] == ("J_starboard", "J_port")
+    assert c.FLOW_OF_UNITS[-1] == "rudder_normal_force_port" and len(c.FLOW_OF_UNITS) == 19

@@ -13,7 +13,7 @@ from gymnasium.utils import seeding
 from ship_gym.config import ConfigError, check_number
 from ship_gym.conventions import (
     FLOW_EXTRAPOLATION,
-    FLOW_NAMES,
+    FLOW_OF_UNITS,
     FORCE_COMPONENTS,
     PSI,
     N,
@@ -358,7 +358,8 @@ class EpisodeBatch:
         -------
         dict
             ``reward_terms`` by name; ``forces`` by component, each (n, 3) X, Y [N], N [N m], and
-            ``flow`` by name, both at the start of the interval; ``psi_ordered`` [rad], of a track
+            ``flow`` by name, both at the start of the interval, with two propellers also of each
+            (``thrust_starboard``, ``thrust_port``); ``psi_ordered`` [rad], of a track
             the bearing of the active leg; ``time`` [s]; ``power`` delivered at the propeller at
             the start of the interval [W] and ``energy`` since the reset [J]; ``extrapolation``
             (distance outside the surrogate's trained box, 0 inside); the safety ``cost`` (1 where
@@ -397,7 +398,7 @@ class EpisodeBatch:
         groups: dict[str, tuple[Sequence[str], np.ndarray]] = {
             "reward_terms": (self.reward_terms, self.terms),
             "forces": (FORCE_COMPONENTS, sim.forces),
-            "flow": (FLOW_NAMES, sim.flow),
+            "flow": (FLOW_OF_UNITS[: sim.flow.shape[1]], sim.flow),
         }
         if self._ship_draws.names:
             groups["randomisation"] = (self._ship_draws.names, self._ship_draws.values)

@@ -11,12 +11,15 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from ship_gym.config import ConfigError, check_known, check_number
+from ship_gym.conventions import FLOW_OF_UNITS, N_FLOW
 from ship_gym.envs.env import Given, action_space, observation_space, resolved_fleet, with_steps
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.start_options import start_options
 from ship_gym.envs.view import Screen
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
+
+_OF_UNITS = frozenset(FLOW_OF_UNITS[N_FLOW:])  # columns that only ships with two propellers have
 
 
 class ShipVectorEnv(VectorEnv):
@@ -85,6 +88,7 @@ class ShipVectorEnv(VectorEnv):
         self._used_seeds: list[int | None] = [None] * self.num_envs
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
         self._everyone = np.ones(self.num_envs, dtype=np.bool_)
+        self._two = np.array([ship.propellers == 2 for ship in self.episodes.ships])
 
         shown = self.num_envs if render_mode else 0
         self._screens = [Screen(render_mode, self.episodes, i) for i in range(shown)]
@@ -226,7 +230,7 @@ class ShipVectorEnv(VectorEnv):
         return mask
 
     def _infos(self, mask: np.ndarray) -> dict[str, Any]:
-        return _masked(self.episodes.info(), mask.copy())
+        return _masked(self.episodes.info(), mask.copy(), self._two)
 
     def _final_infos(self, ended: np.ndarray) -> dict[str, Any]:
         final = np.full(self.num_envs, None, dtype=object)
@@ -235,7 +239,7 @@ class ShipVectorEnv(VectorEnv):
         return {
             "final_obs": final,
             "_final_obs": ended.copy(),
-            "final_info": _masked(self.episodes.info(), ended),
+            "final_info": _masked(self.episodes.info(), ended, self._two),
             "_final_info": ended.copy(),
         }
 
@@ -248,17 +252,20 @@ def _mode(mode: str | AutoresetMode) -> AutoresetMode:
         raise ConfigError(f"autoreset_mode = {mode!r}: allowed is {allowed}") from None
 
 
-def _masked(info: dict[str, Any], mask: np.ndarray) -> dict[str, Any]:
-    """Gymnasium's form: each key with a ``_key`` mask; rows outside the mask are zero."""
+def _masked(info: dict[str, Any], mask: np.ndarray, two: np.ndarray) -> dict[str, Any]:
+    """Gymnasium's form: each key with a ``_key`` mask; rows outside the mask are zero.
+
+    Loads of each propeller are there where the ship has `two`.
+    """
     result: dict[str, Any] = {}
-    whole = bool(mask.all())
     for key, value in info.items():
+        rows = mask & two if key in _OF_UNITS else mask
         if isinstance(value, dict):
-            result[key] = _masked(value, mask)
+            result[key] = _masked(value, mask, two)
         else:
-            if not whole:
+            if not rows.all():
                 value = value.copy()
-                value[~mask] = 0
+                value[~rows] = 0
             result[key] = value
-        result[f"_{key}"] = mask
+        result[f"_{key}"] = rows
     return result

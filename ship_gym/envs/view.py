@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ship_gym.conventions import FORCE_AXES, FORCE_COMPONENTS, X, Y
+from ship_gym.conventions import FLOW_OF_UNITS, FORCE_AXES, FORCE_COMPONENTS, N_FLOW, X, Y
 from ship_gym.physics.waves import WAVE_ROLL, WAVE_YAW
 
 if TYPE_CHECKING:
@@ -73,13 +73,14 @@ class Screen:
         return self._episodes.scenario.task.replace("_", " ").capitalize()
 
     def _forces(self) -> dict[str, float]:
-        """Forces at the start of the interval, as columns of a recording."""
+        """Forces at the start of the interval, of two units also of each, as in a recording."""
         sim, i = self._episodes.sim, self._index
+        units = dict(zip(FLOW_OF_UNITS[N_FLOW:], sim.flow[i, N_FLOW:].tolist(), strict=False))
         return {
             f"{axis}_{component}": float(sim.forces[i, k, j])
             for k, component in enumerate(FORCE_COMPONENTS)
             for j, axis in enumerate(FORCE_AXES)
-        }
+        } | (units if self._episodes.ships[i].propellers == 2 else {})
 
     def scene(self) -> Scene:
         """The present instant in plain numbers."""

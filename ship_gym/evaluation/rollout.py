@@ -73,8 +73,9 @@ class Rollout:
         truncated. One that terminates in its last interval counts as terminated only.
     histories : dict
         ``time`` [s] (T+1, n), ``states`` (T+1, n, 8), ``commands`` (T+1, n, 2), ``forces``
-        (T+1, n, N_FORCES, 3), ``flow`` (T+1, n, 7), ``waves`` (T+1, n, 9), what the task keeps (its
-        ``history``, such as ``psi_ordered``, T+1, n), ``terms`` (T, n, terms), ``rewards`` (T, n).
+        (T+1, n, N_FORCES, 3), ``flow`` (T+1, n, 7; 19 of a ship with two propellers), ``waves``
+        (T+1, n, 9), what the task keeps (its ``history``, such as ``psi_ordered``, T+1, n),
+        ``terms`` (T, n, terms), ``rewards`` (T, n).
     plans : numpy.ndarray
         Orders or way-points of each episode, as ``EpisodeBatch.plans``.
     weather : dict

@@ -37,6 +37,16 @@ class Loading(NamedTuple):
     F_N: float
 
 
+class Units(NamedTuple):
+    """Loading of each unit, in the axes of the ship; a single one is the starboard one."""
+
+    starboard: Loading
+    port: Loading
+
+
+NO_UNIT = Loading(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
 @kernel
 def total(loads):
     """Sum of some forces."""
@@ -69,6 +79,58 @@ def with_mirror_image(starboard, port):
 
 
 @kernel
+def mirror_image(loading):
+    """Loading of the port unit from that of the starboard unit in the mirrored ship."""
+    beta_P, beta_R, thrust, torque, F_N = loading
+    return Loading(-beta_P, -beta_R, thrust, torque, -F_N)
+
+
+@kernel
+def own_forces(motion, controls, ship, tables):
+    """Force breakdown and loading of one ship, as `forces`.
+
+    Returns
+    -------
+    own : OwnForces
+    units : Units
+    """
+    u, v, r = motion
+    delta, n = controls
+    # |u|: astern the drift of wake and rudder is counted from the stern, so that nothing jumps
+    # where the ship backs straight; the same as atan2(-v, u) ahead
+    U, beta = math.sqrt(u * u + v * v), math.atan2(-v, abs(u))
+    H = hull_forces(u, v, r, ship.hull, ship.rho)
+    P, R, starboard = unit_forces(
+        Motion(u, v, r), Controls(delta, n), Inflow(U, beta), ship, tables
+    )
+    if ship.propeller.y_P <= 0.0:
+        return OwnForces(H, P, R), Units(starboard, NO_UNIT)
+    motion, controls, inflow = Motion(u, -v, -r), Controls(-delta, n), Inflow(U, -beta)
+    P2, R2, port = unit_forces(motion, controls, inflow, ship, tables)
+    own = OwnForces(H, with_mirror_image(P, P2), with_mirror_image(R, R2))
+    return own, Units(starboard, mirror_image(port))
+
+
+@kernel
+def flow_of(motion, controls, units, ship):
+    """Flow of the ship and of its units from their loading."""
+    u, _, r = motion
+    delta, n = controls
+    S, P = units
+    D, y_P = ship.propeller.D, ship.propeller.y_P
+    J, share = advance_ratio(u, n, D), 0.5 if y_P > 0.0 else 1.0
+    beta_P, beta_R = share * (S.beta_P + P.beta_P), share * (S.beta_R + P.beta_R)
+    outside = extrapolation(J, beta_P, beta_R, delta, ship.surrogate)
+    J_S = advance_ratio(u - y_P * r, n, D)
+    J_P = advance_ratio(u + y_P * r, n, D) if y_P > 0.0 else 0.0
+    return Flow(
+        J, beta_P, beta_R, S.thrust + P.thrust, S.torque + P.torque, S.F_N + P.F_N, outside,
+        J_S, S.beta_P, S.beta_R, S.thrust, S.torque, S.F_N,
+        J_P, P.beta_P, P.beta_R, P.thrust, P.torque, P.F_N,
+    )  # fmt: skip
+
+
+@kernel
 def forces(motion, controls, ship, tables):
     """Force breakdown of one ship at one instant, without the loads from outside.
 
@@ -87,25 +149,10 @@ def forces(motion, controls, ship, tables):
     own : OwnForces
         Of all propellers and of all rudders together.
     flow : Flow
-        Forces and torque of all, angles on the centreline.
+        Forces and torque of all, angles on the centreline; then those of each unit.
     """
-    u, v, r = motion
-    delta, n = controls
-    # |u|: astern the drift of wake and rudder is counted from the stern, so that nothing jumps
-    # where the ship backs straight; the same as atan2(-v, u) ahead
-    U, beta = math.sqrt(u * u + v * v), math.atan2(-v, abs(u))
-    H = hull_forces(u, v, r, ship.hull, ship.rho)
-    P, R, loading = unit_forces(Motion(u, v, r), Controls(delta, n), Inflow(U, beta), ship, tables)
-    beta_P, beta_R, T, Q, F_N = loading
-    if ship.propeller.y_P > 0.0:
-        motion, controls, inflow = Motion(u, -v, -r), Controls(-delta, n), Inflow(U, -beta)
-        P2, R2, port = unit_forces(motion, controls, inflow, ship, tables)
-        P, R = with_mirror_image(P, P2), with_mirror_image(R, R2)
-        beta_P, beta_R = 0.5 * (beta_P - port.beta_P), 0.5 * (beta_R - port.beta_R)
-        T, Q, F_N = T + port.thrust, Q + port.torque, F_N - port.F_N
-    J = advance_ratio(u, n, ship.propeller.D)
-    outside = extrapolation(J, beta_P, beta_R, delta, ship.surrogate)
-    return OwnForces(H, P, R), Flow(J, beta_P, beta_R, T, Q, F_N, outside)
+    own, units = own_forces(motion, controls, ship, tables)
+    return own, flow_of(motion, controls, units, ship)
 
 
 @kernel

@@ -6,13 +6,20 @@ import math
 
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.actuators import engine_after, rudder_after
-from ship_gym.physics.dynamics import accelerations, forces, total, water_velocity
+from ship_gym.physics.dynamics import accelerations, flow_of, own_forces, total, water_velocity
 from ship_gym.physics.quantities import Body, Controls, Motion, State
 
 
 @kernel
+def through_water(body, sea):
+    """Velocities of a body through the water, a Motion."""
+    u_c, v_c = water_velocity(body.psi, sea)
+    return Motion(body.u - u_c, body.v - v_c, body.r)
+
+
+@kernel
 def derivative(body, controls, load, ship, sea, tables):
-    """Rates of the body, the ship's own forces, and the flow.
+    """Rates of the body, the ship's own forces, and how its units are loaded.
 
     `load` is the sum of what is held during this step, a Force. A uniform current enters by
     relative velocity; its rotation in body axes gives back the acceleration over ground.
@@ -20,12 +27,12 @@ def derivative(body, controls, load, ship, sea, tables):
     u, v, r, _, _, psi = body
     u_c, v_c = water_velocity(psi, sea)
     motion = Motion(u - u_c, v - v_c, r)
-    own, flow = forces(motion, controls, ship, tables)
+    own, units = own_forces(motion, controls, ship, tables)
     F = total(own)
     du, dv, dr = accelerations(motion, F.X + load.X, F.Y + load.Y, F.N + load.N, ship.inertia)
     c, s = math.cos(psi), math.sin(psi)
     rates = Body(du + r * v_c, dv - r * u_c, dr, u * c - v * s, u * s + v * c, r)
-    return rates, own, flow
+    return rates, own, units
 
 
 @kernel
@@ -66,7 +73,9 @@ def runge_kutta_4(state, command, load, dt, ship, sea, tables):
         Held during the step.
     """
     body, delta, n = body_of(state), state.delta, state.n
-    k1, own, flow = derivative(body, Controls(delta, n), load, ship, sea, tables)
+    start = Controls(delta, n)
+    k1, own, units = derivative(body, start, load, ship, sea, tables)
+    flow = flow_of(through_water(body, sea), start, units, ship)
     torque = 0.5 * flow.torque if ship.propeller.y_P > 0.0 else flow.torque  # of each shaft
     h, gear, engine = 0.5 * dt, ship.gear, ship.engine
     middle = Controls(

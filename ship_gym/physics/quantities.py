@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ship_gym.conventions import FLOW_NAMES, STATE_NAMES
+from ship_gym.conventions import FLOW_OF_UNITS, STATE_NAMES
 
 
 class Motion(NamedTuple):
@@ -60,9 +60,11 @@ class Force(NamedTuple):
 
 
 class Flow(NamedTuple):
-    """How propeller and rudder are loaded, ``conventions.FLOW_NAMES``.
+    """How propeller and rudder are loaded, ``conventions.FLOW_OF_UNITS``.
 
-    J, beta_P, beta_R [rad], thrust [N], torque [N m], rudder normal force [N], extrapolation.
+    J, beta_P, beta_R [rad], thrust [N], torque [N m], rudder normal force [N] of the ship, the
+    extrapolation, and the first six again of the starboard unit and of the port one. A single unit
+    stands as the starboard one, the port one is zero then.
     """
 
     J: float
@@ -72,6 +74,18 @@ class Flow(NamedTuple):
     torque: float
     rudder_normal_force: float
     extrapolation: float
+    J_starboard: float
+    beta_P_starboard: float
+    beta_R_starboard: float
+    thrust_starboard: float
+    torque_starboard: float
+    rudder_normal_force_starboard: float
+    J_port: float
+    beta_P_port: float
+    beta_R_port: float
+    thrust_port: float
+    torque_port: float
+    rudder_normal_force_port: float
 
 
 class Tables(NamedTuple):
@@ -90,5 +104,5 @@ class Around(NamedTuple):
     wind: np.ndarray
 
 
-if State._fields != STATE_NAMES or Flow._fields != FLOW_NAMES:
-    raise ImportError("State and Flow must name what conventions.STATE_NAMES and FLOW_NAMES do")
+if State._fields != STATE_NAMES or Flow._fields != FLOW_OF_UNITS:
+    raise ImportError("State and Flow must be named as conventions.STATE_NAMES, FLOW_OF_UNITS")

@@ -172,7 +172,7 @@ def _step_batch(
         Tables of each kind of ship; ``ships.kind`` selects.
     waves, groups, response, winds : ndarray
         Of ``sea.records.Waters``; ``seas.response`` and ``seas.wind_table`` select.
-    forces, flow, met : ndarray (n, N_FORCES, 3), ndarray (n, 7), ndarray (n, 9)
+    forces, flow, met : ndarray (n, N_FORCES, 3), ndarray (n, 7 or 19), ndarray (n, 9)
         Written: at the start of the interval; `met`, the waves, at its end. Not in a tuple,
         because numba loses what a parallel loop writes into arrays that are unpacked from one.
 
@@ -196,7 +196,7 @@ def _step_batch(
             states[i, k] = state[k]
         for k in range(len(parts)):
             forces[i, k, 0], forces[i, k, 1], forces[i, k, 2] = parts[k]
-        for k in range(len(flow_i)):
+        for k in range(flow.shape[1]):
             flow[i, k] = flow_i[k]
         for k in range(len(after)):
             met[i, k] = after[k]

@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.conventions import FORCE_AXES, FORCES, wrap_angle
+from ship_gym.conventions import FORCE_AXES, FORCES, UNITS, wrap_angle
 
 Columns = Mapping[str, np.ndarray]
 
 _BLUE, _ORANGE, _GREEN, _RED = (76, 155, 232), (240, 160, 60), (100, 190, 110), (224, 90, 90)
 _GREY = (200, 200, 200)
 _PALETTE = (_BLUE, _GREEN, _ORANGE, _RED, (170, 130, 220), (90, 200, 200), (220, 130, 180), _GREY)
+_SIDES = (_GREEN, _RED)  # starboard and port, as their lights
 _SHARES = {"X": "surge", "Y": "sway", "N": "yaw"}
 _PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))
 
@@ -71,7 +72,7 @@ def steering_panels(columns: Columns, meta: Mapping[str, Any] | None = None) -> 
 
 
 def motion_panels(columns: Columns, largest: Mapping[str, float] | None = None) -> list[Panel]:
-    """Speeds, yaw rate, wave-frequency motion, forces, reward terms; see `steering_panels`.
+    """Speeds, yaw rate, wave motion, forces, two propellers, reward terms; see `steering_panels`.
 
     Parameters
     ----------
@@ -87,6 +88,8 @@ def motion_panels(columns: Columns, largest: Mapping[str, float] | None = None) 
         Panel("plots/yaw_rate", "Yaw rate [deg/s]", _yaw_rate(columns)),
         Panel("plots/wave_motion", "Wave-frequency motion [deg]", _wave_motion(columns)),
         *(_forces(columns, axis, largest) for axis in FORCE_AXES),
+        _units(columns, "thrust", "Thrust of each propeller", largest),
+        _units(columns, "rudder_normal_force", "Normal force of each rudder", largest),
         Panel("plots/reward", "Reward and its terms [-]", _plain(columns, *_rewards(columns))),
     )  # fmt: skip
 
@@ -165,12 +168,28 @@ def _forces(columns: Columns, axis: str, largest: Mapping[str, float] | None) ->
     names = [name for name in colours if name in columns]
     names += [name for name in columns if name.startswith(f"{axis}_") and name not in colours]
     most = max((float(np.abs(columns[name]).max()) for name in names), default=0.0)
-    most = most if largest is None else largest[axis]
-    size, prefix = next((p for p in _PREFIXES if most >= p[0]), (1.0, ""))
+    size, prefix = _prefix(most if largest is None else largest[axis])
     unit = f"{prefix}N m" if axis == "N" else f"{prefix}N"
     what = "moment" if axis == "N" else "force"
     series = [Series(k, columns[k] / size, colours.get(k, _GREY)) for k in names]
     return Panel(f"plots/force_{axis}", f"{axis}: {_SHARES[axis]} {what} [{unit}]", series)
+
+
+def _units(columns: Columns, name: str, title: str, largest: Mapping[str, float] | None) -> Panel:
+    """Draw a force of the starboard unit and of the port one; nothing of a ship with one."""
+    names = [f"{name}_{side}" for side in UNITS if f"{name}_{side}" in columns]
+    most = max((float(np.abs(columns[k]).max()) for k in names), default=0.0)
+    size, prefix = _prefix(most if largest is None else largest["X"])
+    series = [
+        Series(k.removeprefix(f"{name}_"), columns[k] / size, colour)
+        for k, colour in zip(names, _SIDES, strict=False)
+    ]
+    return Panel(f"plots/{name}_of_units", f"{title} [{prefix}N]", series)
+
+
+def _prefix(most: float) -> tuple[float, str]:
+    """Size and prefix of the unit in which `most` is drawn."""
+    return next((p for p in _PREFIXES if most >= p[0]), (1.0, ""))
 
 
 def _rewards(columns: Columns) -> list[str]:

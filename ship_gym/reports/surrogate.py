@@ -34,11 +34,13 @@ SHIPPED = (
     ("kcs", "regression", "G3", "SA"),
     ("kcs", "gp", "G2", "SA"),
     ("kcs", "nn", "G2", "SA"),
+    ("onrt", "regression", "G1", "SA"),
     ("onrt", "regression", "G2", "SA"),
     ("onrt", "regression", "G2", "SST"),
     ("onrt", "regression", "G3", "SA"),
     ("onrt", "gp", "G2", "SA"),
     ("onrt", "nn", "G2", "SA"),
+    ("onrt_16", "regression", "G2", "SA"),
 )
 
 
@@ -156,8 +158,8 @@ def _budgets(fit: Fit) -> list[dict[str, Any]]:
     totals = printed_totals(fit.data) if fit.name == "G2_SA" else {}
     rows = []
     for side in fit.data.sides:
-        for quantity in fit.data.quantities:
-            budget = error_budget(fit.data, quantity, side, fit.models[side][quantity])
+        for quantity, errors in fit.errors(side).items():
+            budget = error_budget(fit.data, quantity, side, errors)
             points = list(budget.turbulence_points)
             extra = {"turbulence_points": points, "printed_total": totals.get(quantity)}
             rows.append(budget.as_row() | extra)

@@ -40,6 +40,7 @@ from ship_gym.ships.particulars import (
     Hull,
     HullForm,
     Propeller,
+    PropulsionPoint,
     Rudder,
     Ship,
     SteeringGear,
@@ -71,7 +72,7 @@ _NEEDED = (
     "open_water",
     *_SECTIONS,
 )
-_TOP = (*_NEEDED, *_OPTIONAL, "surrogate", "trial")
+_TOP = (*_NEEDED, *_OPTIONAL, "surrogate", "trial", "propulsion")
 _TOP_UNITS = (("full_length", "m"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", "m/s"))
 _SAME_SHIP = 0.02  # of D / L: rounding of printed particulars
 # rudder formulas in place of a fitted surrogate, with the propeller's open-water curve in the wake
@@ -200,11 +201,18 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
         wind_type=data.get("wind", {}).get("type", ""),
         wave_table=_wave_table(path),
         trials=trials,
+        propulsion=_propulsion(data, path),
         sources=reader.sources,
         estimated=reader.estimated,
         **top,
         **sections,
     )
+
+
+def _propulsion(data: Mapping[str, Any], path: Path) -> tuple[PropulsionPoint, ...]:
+    """Published points of self-propulsion of a ship file."""
+    where = f"{path}: propulsion"
+    return tuple(build(PropulsionPoint, point, where) for point in data.get("propulsion", []))
 
 
 def _wave_table(path: Path) -> str:
@@ -238,13 +246,17 @@ def _estimated_hull(hull: Mapping[str, Any], length: float, reader: Reader) -> d
 def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
     """Ship of a file that scales another one and replaces some of its numbers."""
     sections = [*_SECTIONS, *(name for name in _OPTIONAL if getattr(base, name) is not None)]
-    allowed = ("title", "status", "scaled_from", "length", *sections)
+    own = ("title", "status", "scaled_from", "length", "wake_correction", "propulsion")
+    allowed = (*own, *sections)
     for key in data:
         if key not in allowed:
             raise ConfigError(f"{path}: unknown key {key!r};{nearest(key, allowed)}")
     reader = Reader(path, f"{base.name} by Froude's law")
     length = reader.number("length", "m", data.get("length"), math.nan, "")
-    ship = scaled(base, length)
+    wake = data.get("wake_correction", True)
+    if not isinstance(wake, bool):
+        raise ConfigError(f"{path}: wake_correction = {wake!r}: allowed is true or false")
+    ship = scaled(base, length, wake_correction=wake)
     changes = {
         name: reader.replaced(name, getattr(ship, name), data[name], length)
         for name in sections
@@ -254,6 +266,7 @@ def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
         ship,
         title=data.get("title", ship.title),
         status=data.get("status", ship.status),
+        propulsion=_propulsion(data, path),
         sources={**ship.sources, **reader.sources},
         estimated={
             **{k: v for k, v in ship.estimated.items() if k not in reader.sources},

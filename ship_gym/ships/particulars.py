@@ -236,6 +236,18 @@ class Trial:
 
 
 @dataclasses.dataclass(frozen=True)
+class PropulsionPoint:
+    """Published self-propulsion on a straight course in calm water, to compare with; SI."""
+
+    source: str
+    speed: float  # [m/s] at the scale of this ship
+    n: float | None = None  # propeller speed [rev/s]
+    thrust: float | None = None  # of all propellers [N]
+    effective_power: float | None = None  # resistance times speed [W]
+    delivered_power: float | None = None  # of all propellers [W]
+
+
+@dataclasses.dataclass(frozen=True)
 class Ship:
     """A ship: particulars in SI, its propeller tables, and where each number comes from.
 
@@ -259,6 +271,8 @@ class Ship:
         Path of its wave table, of any scale; empty: the ship cannot sail in waves.
     form : HullForm or None
         Hull form and mass distribution, for meshes and loads in waves; None: not in the file.
+    propulsion : tuple of PropulsionPoint
+        Published points of self-propulsion, beside those of ``powering.powering``.
     sources : dict
         "section.field" to the source of its number.
     estimated : dict
@@ -286,6 +300,7 @@ class Ship:
     wind: WindAreas | None = None
     wind_type: str = ""
     wave_table: str = ""
+    propulsion: tuple[PropulsionPoint, ...] = ()
     sources: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
     estimated: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
 
@@ -318,13 +333,16 @@ class Ship:
         return math.sqrt(self.scale)
 
     def describe(self) -> str:
-        """What the model is and which of its numbers are estimates, as text."""
+        """What the model is, its power beside published ones and its estimates, as text."""
+        from ship_gym.ships.powering import powering_text  # late: it is about ships
+
         lines = [
             f"{self.name}: {self.title}",
             f"  status: {self.status}; hull set: {self.variant}; surrogate: {self.surrogate_name}",
             f"  L {self.hull.L:.4g} m, B {self.hull.B:.4g} m, d {self.hull.d:.4g} m, "
             f"nominal speed {self.speed:.4g} m/s (Fn {self.froude(self.speed):.3f})",
         ]
+        lines += [f"  {line}" for line in powering_text(self)]
         lines += [f"  estimated {name}: {why}" for name, why in self.estimated.items()]
         return "\n".join(lines)
 

@@ -42,7 +42,7 @@ class GaussianProcess:
     ----------
     sigma_n : float
         Standard deviation of the noise [unit of y], fixed. 1e-4 goes through the points;
-        `error_budget.sigma_n` computes it from the spread of turbulence models.
+        `error_budget.sigma_n` computes it from the spread of grids and turbulence models.
     restarts : int
         Further starts, drawn log-uniformly over the search ranges. 0 as in MATLAB.
     seed : int

@@ -37,13 +37,14 @@ def native(env_id, n, **options):
 
 
 def assert_row(batch, i, alone):
-    """Row i of a batched info is the info of the scalar environment."""
+    """Row i of a batched info is the info of the scalar environment, by the masks of its keys."""
     for key, value in alone.items():
         if isinstance(value, dict):
             assert_row(batch[key], i, value)
         else:
             np.testing.assert_array_equal(batch[key][i], value, err_msg=key)
-    assert {key for key in batch if not key.startswith(("_", "final_"))} == set(alone)
+    keys = {key for key in batch if not key.startswith(("_", "final_"))}
+    assert {key for key in keys if batch[f"_{key}"][i]} == set(alone)
 
 
 def assert_rows_are_scalars(env_id, ships, n, steps=20, seed=11, **options):
@@ -83,6 +84,19 @@ def test_a_row_of_a_mixed_fleet_is_the_scalar_environment_of_its_ship(env_id, co
     """Ships of other size, time step, wave table and number of propellers; in waves and wind."""
     options = {"control": control, "overrides": SHORT}
     assert_rows_are_scalars(env_id, FLEET, 4, **options)
+
+
+def test_loads_of_each_propeller_are_there_where_a_ship_has_two():
+    env = native(HEADING, 3, ship=FLEET, overrides=SHORT)
+    env.reset(seed=0)
+    flow = env.step(np.ones((3, 1), np.float32))[-1]["flow"]
+    assert flow["_thrust"].tolist() == [True] * 3
+    assert flow["_thrust_port"].tolist() == [False, False, True]
+    assert flow["thrust_port"][:2].tolist() == flow["thrust_starboard"][:2].tolist() == [0.0, 0.0]
+    assert flow["thrust"][2] == flow["thrust_starboard"][2] + flow["thrust_port"][2] > 0.0
+    alone = native(HEADING, 2, ship="kcs", overrides=SHORT)
+    alone.reset(seed=0)
+    assert "thrust_port" not in alone.step(np.ones((2, 1), np.float32))[-1]["flow"]
 
 
 def test_a_mixed_fleet_in_one_sea_with_everything_on():

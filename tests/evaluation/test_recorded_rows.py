@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ship_gym import load_ship
+from ship_gym.conventions import FLOW_OF_UNITS, N_FLOW, UNIT_NAMES
 from ship_gym.evaluation import rollout
 
 CALM = {
@@ -36,9 +37,9 @@ class Script:
         return np.tile(self.actions[self.k - 1], (self.count, 1))
 
 
-def sailed(dt=2.0, **overrides):
+def sailed(dt=2.0, ship=None, **overrides):
     given = CALM | {"duration": dt * len(RUDDER), "control_interval": dt} | overrides
-    return rollout(Script(RUDDER, RPM), seeds=[3], control="rudder+rpm", overrides=given)
+    return rollout(Script(RUDDER, RPM), seeds=[3], ship=ship, control="rudder+rpm", overrides=given)
 
 
 def test_commands_stand_in_the_row_in_which_they_are_given_and_the_last_one_twice():
@@ -90,6 +91,17 @@ def test_forces_and_flow_are_those_of_the_state_in_their_row():
     assert t["X_hull"][0] == pytest.approx(-resistance, rel=1e-9)
     assert t["rudder_normal_force"][0] == 0.0  # amidships
     assert (t["rudder_normal_force"][[1, 2, 3, 5]] > 0.0).all()
+
+
+def test_a_recording_has_the_loads_of_each_unit_where_the_ship_has_two():
+    t = sailed(ship="onrt").trajectory(0)
+    assert [k for k in t.names if k.endswith("_port")] == [f"{name}_port" for name in UNIT_NAMES]
+    for name in ("thrust", "torque", "rudder_normal_force"):
+        one, other = t[f"{name}_starboard"], t[f"{name}_port"]
+        np.testing.assert_allclose(t[name], one + other, rtol=1e-12)
+        assert (one[2:4] != other[2:4]).all(), name
+    single = sailed().trajectory(0)
+    assert set(t.names) - set(single.names) == set(FLOW_OF_UNITS[N_FLOW:])
 
 
 def test_the_reward_of_a_row_is_that_of_the_interval_which_starts_there():

@@ -6,10 +6,11 @@ import math
 import numpy as np
 import pytest
 
+from ship_gym.conventions import FLOW_OF_UNITS, N_FLOW, UNIT_NAMES
 from ship_gym.manoeuvres import turning_circle
 from ship_gym.physics.dynamics import unit_forces
 from ship_gym.ships import load_ship
-from ship_gym.simulation import self_propulsion
+from ship_gym.simulation import ShipSim, self_propulsion
 from ship_gym.surrogates.regression import Regression
 from ship_gym.surrogates.samples import ONRT
 from tests.conftest import forces, tables_of
@@ -199,8 +200,11 @@ def test_flow_of_the_mirrored_ship_is_mirrored(motion):
     u, v, r = motion
     here = forces((u, v, r), (0.3, N), RECORD, TABLES)
     there = forces((u, -v, -r), (-0.3, N), RECORD, TABLES)
-    sign = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, 1.0]
-    np.testing.assert_allclose(there[3], np.multiply(sign, here[3]), rtol=1e-12, atol=1e-12)
+    sign, n = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, 1.0], N_FLOW
+    np.testing.assert_allclose(there[3][:n], np.multiply(sign, here[3][:n]), rtol=1e-12, atol=1e-12)
+    one, other = np.split(np.array(there[3][n:]), 2)  # starboard, port
+    exchanged = np.concatenate([sign[:6] * other, sign[:6] * one])
+    np.testing.assert_allclose(exchanged, here[3][n:], rtol=1e-12, atol=1e-12)
     for a, b in zip(here[:3], there[:3], strict=True):
         np.testing.assert_allclose(b, np.multiply(SIGN, a), rtol=1e-9, atol=1e-12)
     # the drift angles of the centreline: between those of the two sides
@@ -212,3 +216,62 @@ def test_flow_of_the_mirrored_ship_is_mirrored(motion):
         mean = 0.5 * (sides[0][k - 1] - sides[1][k - 1])
         assert here[3][k] == pytest.approx(mean, rel=1e-12), name
         assert here[3][k] != 0.0
+
+
+TURN = (1.0, -0.3, 0.15), (D35, N)  # to starboard, with drift
+
+
+def test_loads_of_each_unit_add_up_to_those_of_the_ship():
+    flow = forces(*TURN, RECORD, TABLES)[3]
+    starboard, port = np.split(np.array(flow[N_FLOW:]), 2)
+    for name in ("thrust", "torque", "rudder_normal_force"):
+        k = UNIT_NAMES.index(name)
+        assert getattr(flow, name) == pytest.approx(starboard[k] + port[k], rel=1e-12), name
+        assert abs(starboard[k] / port[k] - 1.0) > 0.01, name  # leeward and windward differ
+    for name in ("J", "beta_P", "beta_R"):
+        k = UNIT_NAMES.index(name)
+        mean = pytest.approx(0.5 * (starboard[k] + port[k]), rel=1e-12)
+        assert getattr(flow, name) == mean, name
+
+
+def test_advance_and_drift_of_each_unit_are_those_of_its_place():
+    """u -+ y_P r ahead and v + x r across, at the propeller and at the rudder of each side."""
+    (u, v, r), controls = TURN
+    flow = forces(*TURN, RECORD, TABLES)[3]
+    p, k = SHIP.propeller, SHIP.rudder
+    for side, sign in (("starboard", 1.0), ("port", -1.0)):
+        J = (u - sign * p.y_P * r) / (controls[1] * p.D)
+        assert getattr(flow, f"J_{side}") == pytest.approx(J, rel=1e-12)
+        beta_P = math.atan2(-(v + p.x_P * r), u - sign * p.y_P * r)
+        assert getattr(flow, f"beta_P_{side}") == pytest.approx(beta_P, rel=1e-12)
+        beta_R = math.atan2(-(v + k.x_R * r), u - sign * k.y_R * r)
+        assert getattr(flow, f"beta_R_{side}") == pytest.approx(beta_R, rel=1e-12)
+
+
+def test_force_of_each_unit_makes_the_yaw_moment_of_the_pair():
+    """N of the propellers beyond their side force: (1 - t_P) y_P (T_port - T_starboard)."""
+    _, P, _, flow = forces(*TURN, RECORD, TABLES)
+    p = SHIP.propeller
+    pair = (1.0 - p.t_P) * p.y_P * (flow.thrust_port - flow.thrust_starboard)
+    assert P.N - p.x_P * P.Y == pytest.approx(pair, rel=1e-9)
+
+
+def test_a_single_unit_stands_as_the_starboard_one():
+    record, tables = tables_of(load_ship("kcs_model"))
+    flow = forces((1.0, -0.3, 0.3), (0.5, N), record, tables)[3]
+    whole = [getattr(flow, name) for name in UNIT_NAMES]
+    assert list(flow[N_FLOW:]) == whole + [0.0] * 6
+
+
+def test_a_step_writes_the_loads_of_each_unit_where_a_ship_has_two():
+    sim = ShipSim(["kcs_model", "onrt_model"], 2)
+    sim.reset(0)
+    sim.step([[0.4, 9.0], [0.4, 9.0]], 2.0)
+    state = sim.state.copy()
+    sim.step([[0.4, 9.0], [0.4, 9.0]], 0.1)
+    for i, ship in enumerate(sim.ships):
+        record, tables = tables_of(ship)
+        flow = forces(state[i, :3], state[i, 6:], record, tables)[3]
+        np.testing.assert_allclose(sim.flow[i], flow, rtol=1e-12)
+    assert sim.flow.shape == (2, len(FLOW_OF_UNITS))
+    assert ShipSim("kcs_model").flow.shape == (1, N_FLOW)

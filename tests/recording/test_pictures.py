@@ -89,6 +89,20 @@ def test_heading_is_drawn_without_jumps():
     assert np.abs(heading.values - ordered.values).max() <= 180.0 + 1e-9
 
 
+def test_two_propellers_and_rudders_are_drawn_side_by_side_where_they_are_recorded():
+    columns = {"thrust": np.array([9e3, 8e3]), "rudder_normal_force": np.array([1.0, 2.0])}
+    assert panels.motion_panels(columns) == []  # one of each, and recordings from before
+    for side, size in (("starboard", 1.0), ("port", 2.0)):
+        columns[f"thrust_{side}"] = size * np.array([3e3, 2e3])
+        columns[f"rudder_normal_force_{side}"] = size * np.array([0.3, -0.5])
+    thrust, normal = panels.motion_panels(columns)
+    assert thrust.title == "Thrust of each propeller [kN]"
+    assert normal.title == "Normal force of each rudder [N]"
+    assert [s.label for s in thrust.series] == ["starboard", "port"]
+    assert thrust.series[1].values.tolist() == [6.0, 4.0]
+    assert normal.series[0].values.tolist() == [0.3, -0.5]
+
+
 def test_forces_are_grouped_by_axis_in_a_fitting_unit():
     columns = {f"{a}_{c}": np.array([-2e3, 1e3]) for a in "XN" for c in ("wind", "rudder", "hull")}
     surge, yaw = panels.motion_panels(columns)

@@ -141,6 +141,6 @@ def test_provenance_names_inputs_and_commit(kcs):
 
 
 def test_every_shipped_table_has_a_data_set():
-    assert {row[0] for row in report.SHIPPED} == {"kcs", "onrt"}
-    assert len(set(report.SHIPPED)) == len(report.SHIPPED) == 11
+    assert {row[0] for row in report.SHIPPED} == {"kcs", "onrt", "onrt_16"}
+    assert len(set(report.SHIPPED)) == len(report.SHIPPED) == 13
     assert read_csv(KCS.path).path.endswith("kcs_propeller_rudder_cfd.csv")

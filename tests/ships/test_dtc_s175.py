@@ -92,7 +92,7 @@ def test_dtc_marks_what_nobody_measured():
 def test_dtc_full_scale_speed_and_rudder_rate():
     ship = load_ship("dtc")
     assert math.degrees(ship.gear.rate) == pytest.approx(18.0 / math.sqrt(63.65), rel=1e-3)
-    assert 60.0 * self_propulsion(ship, 24.0 * KNOT) == pytest.approx(98.5, abs=0.2)  # ours
+    assert 60.0 * self_propulsion(ship, 24.0 * KNOT) == pytest.approx(99.75, abs=0.1)  # ours
 
 
 def printed(P, v, r):

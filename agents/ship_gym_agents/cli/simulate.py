@@ -15,6 +15,11 @@ _OPTIONS = (
     *("delta_deg", "psi_deg", "speed", "n"),
     *("sea", "wave_height", "wavelength", "wave_from_deg"),
 )
+# what a captive test does not take: the ship is towed in calm water, and does not sail a course
+_SAILED = (
+    *("delta_deg", "psi_deg", "order", "wave_height", "wavelength", "wave_from_deg"),
+    *("loading", "csv", "rrd"),
+)
 _LOADING_COLOUR = {"turning_circle": "t", "zigzag": "delta"}
 
 
@@ -28,11 +33,13 @@ _LOADING_COLOUR = {"turning_circle": "t", "zigzag": "delta"}
     "spiral --ship kvlcc2_model         # loop width, neutral rudder angle",
     "--ship dtc_model --speed 1.48 --n 15.7 \\\n"
     "      --wave-height 0.112 --wavelength 1.0          # regular waves, beside calm water",
+    "captive --ship kvlcc2_model --test drift   # towed: forces of an imposed motion",
+    "captive --ship kvlcc2_model --measured tank/pure_yaw.csv",
 )
 @click.argument(
     "what",
     default="turning",
-    metavar="[turning|zigzag|trials|stopping|coasting|acceleration|pull_out|spiral]",
+    metavar="[turning|zigzag|trials|captive|stopping|coasting|acceleration|pull_out|spiral]",
 )
 @ship(default="kcs_model")
 @click.option("--surrogate", help="Propeller and rudder, e.g. G2_SA or none (MMG rudder).")
@@ -53,7 +60,11 @@ _LOADING_COLOUR = {"turning_circle": "t", "zigzag": "delta"}
     type=Number(unit="deg"),
     help="Where waves come from [deg]; 0 is north.",
 )
-@out(".png", "Picture; default: in runs, by the manoeuvre's name.")
+@click.option("--test", help="Captive: drift, rudder, yaw, yaw_drift; default: all of them.")
+@click.option(
+    "--measured", type=click.Path(), help="Captive: CSV file of measured runs, to repeat."
+)
+@out(".png", "Picture; default: runs/ and the manoeuvre's name.")
 @out(".png", "Also draw the propeller loading t'-q'-n'.", "--loading")
 @out(".csv", "Also write the time history.", "--csv")
 @out(".rrd", "Also write a rerun recording.", "--rrd")
@@ -62,7 +73,8 @@ def command(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, **o
 
     Turning circle, zig-zag, crash stop, coasting, acceleration, pull-out or direct spiral. Prints
     measures beside the trial and the IMO limits, and draws a picture; trials are all of the ship
-    file, sailed as measured. Angles are in degrees, positive to starboard.
+    file, sailed as measured. captive tows the ship as a tank does and prints its forces beside
+    those of a file. Angles are in degrees, positive to starboard.
     """
     from ship_gym.reports.handling import KINDS
 
@@ -74,16 +86,15 @@ def command(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, **o
 
 def _handling(as_json, what, ship, sets, files, options) -> None:
     """Sail, print and draw one of ``reports.handling.KINDS``."""
-    from ship_gym.config import ConfigError
     from ship_gym.plotting.handling import plot_handling
     from ship_gym.reports import handling
     from ship_gym.ships.loader import load_ship
     from ship_gym_agents.cli.output import need, show
 
     need("matplotlib", *(["rerun"] if files["rrd"] else []))
-    for name, given in (("psi", options.pop("psi_deg")), ("loading", files["loading"])):
-        if given is not None:
-            raise ConfigError(f"{name}: not of {what}; it is of turning and zigzag")
+    for name in ("psi_deg", "test", "measured"):
+        _refuse_given(name, options.pop(name), f"it is not of {what}")
+    _refuse_given("loading", files["loading"], f"it is not of {what}")
     vessel = load_ship(ship, surrogate=sets[0], variant=sets[1])
     case = handling.sail_handling(vessel, what, **options)
     history = case.result.trajectory
@@ -107,6 +118,11 @@ def _turns(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, opti
     need("matplotlib", *(["rerun"] if rrd else []))
     check_different(out=out, loading=loading)
     extras = {"loading": loading, "csv": csv, "rrd": rrd}
+    captive = {key: options.pop(key) for key in ("test", "measured")}
+    if what == "captive":
+        return _captive(as_json, ship, surrogate, variant, out, options | extras, captive)
+    for name, value in captive.items():
+        _refuse_given(name, value, "belongs to captive")
     cases, files = [], []
     jobs = _jobs(what, ship, surrogate, variant, options)
     for k, job in enumerate(progress(jobs, "sailing"), start=1):
@@ -117,6 +133,26 @@ def _turns(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, opti
     show(as_json, data, report.all_as_text(cases, files, ship))
 
 
+def _refuse_given(name: str, value: Any, why: str) -> None:
+    """Refuse an option that was given where it means nothing."""
+    from ship_gym.config import ConfigError
+
+    if value is not None:
+        raise ConfigError(f"{name.removesuffix('_deg')}: {why}; leave it out")
+
+
+def _captive(as_json, ship, surrogate, variant, out, options: dict, own: dict) -> None:
+    """Tow instead of sail."""
+    from ship_gym.ships.loader import load_ship
+    from ship_gym_agents.cli.captive import captive
+
+    for name in _SAILED:
+        _refuse_given(name, options[name], "a captive test is towed in calm water, along no track")
+    _refuse_given("sea", None if options["sea"] == "calm" else options["sea"], "captive is calm")
+    vessel = load_ship(ship, surrogate=surrogate, variant=variant)
+    captive(as_json, vessel, speed=options["speed"], n=options["n"], out=out, **own)
+
+
 def _jobs(what: str, ship: str, surrogate: str | None, variant: str | None, options: dict) -> list:
     """What is to be sailed, each as a function without arguments."""
     from ship_gym.config import ConfigError, check_known
@@ -124,9 +160,8 @@ def _jobs(what: str, ship: str, surrogate: str | None, variant: str | None, opti
     from ship_gym.reports.handling import KINDS
     from ship_gym.ships.loader import load_ship
 
-    check_known("manoeuvre", what, [*MANOEUVRES, "trials", *KINDS])
-    if (order := options.pop("order")) is not None:
-        raise ConfigError(f"order = {order:g} rev/s: it is of a crash stop")
+    check_known("manoeuvre", what, [*MANOEUVRES, "trials", "captive", *KINDS])
+    _refuse_given("order", options.pop("order"), "it is of a crash stop")
     vessel = load_ship(ship, surrogate=surrogate, variant=variant)
     if what != "trials":
         return [lambda: sail(vessel, what, **options)]
