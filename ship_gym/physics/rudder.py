@@ -182,8 +182,9 @@ def rudder_on_plate(motion, delta, inflow, wash, ship, tables):
 
     F_N is the effective-inflow law at this angle, plus a share (delta / trained angle)^2 of what
     the CFD surrogate gives beyond that law at the trained angle. So the trained angle gives the
-    surrogate back exactly (a single one to port: mirrored, plus what the law's two gamma_R differ
-    by; two have a table for each side), and near amidships the law is left alone.
+    surrogate back exactly (a single one to port: mirrored, plus what the law's two gamma_R and its
+    neutral angle make of it; two have a table for each side), and near amidships the law is left
+    alone.
     """
     race, epsilon, direction = wash
     u, v, r = motion
@@ -200,7 +201,7 @@ def rudder_on_plate(motion, delta, inflow, wash, ship, tables):
     v_R = cross_inflow(v_g, U, u_R, 1.0, k) + v_3
     F_N = normal_force(direction, u_R, v_R, k, ship.rho)
     blend, side = surrogate_blend(delta, box)
-    doubt = box.z_N * box.law_std  # a draw moves the law too, by its error at the samples
+    doubt = box.z_N * box.law_std  # a draw moves the law too, by what such a law misses samples
     if blend <= 0.0:
         return F_N * (1.0 + doubt), 0.0, beta_R
     trained = (side * box.sin_delta, box.cos_delta)
