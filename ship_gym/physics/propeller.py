@@ -5,6 +5,11 @@ angle (35 deg). Straight ahead the propeller is its open-water curve in the wake
 are blended with the square of the rudder angle (our choice, physics of neither source). Where that
 curve is measured, the surrogate has been shifted to it (``records.anchored``), so the blend alone
 takes no thrust away.
+
+Open water holds for all four quadrants, the surrogate ahead only (its table ends at J > 0).
+Assumed, measured for none of these ships: going astern the propeller meets undisturbed water (no
+wake), braking (n < 0 < u) or idling it meets the wake of the ship ahead; the thrust deduction is
+t_P throughout; a reversed propeller has no side force of its own (the paddle-wheel effect).
 """
 
 from __future__ import annotations
@@ -78,7 +83,11 @@ def advance_pressure(u, n, propeller, rho):
 
 @kernel
 def advance_angle(u, n, D):
-    """Advance angle epsilon = atan2(u, 0.7 pi n D) [rad]; J = 0.7 pi tan(epsilon)."""
+    """Advance angle epsilon = atan2(u, 0.7 pi n D) [rad]; J = 0.7 pi tan(epsilon).
+
+    Ahead 0 to pi/2, braking (n < 0) pi/2 to pi, astern -pi to -pi/2, n ahead of a ship that makes
+    sternway -pi/2 to 0.
+    """
     return math.atan2(u, 0.7 * math.pi * n * D)
 
 
@@ -128,9 +137,11 @@ def outside_box(J, beta, box):
 
 @kernel
 def advance_ratio(u, n, D):
-    """J = u / (n D), limited to +-J_LIMIT."""
-    if abs(u) >= J_LIMIT * n * D:
-        return math.copysign(J_LIMIT, u) if u != 0.0 else 0.0
+    """J = u / (n D), limited to +-J_LIMIT; negative where ship and propeller go opposite ways."""
+    if abs(u) >= J_LIMIT * abs(n) * D:
+        if u == 0.0:
+            return 0.0
+        return math.copysign(J_LIMIT, u if n >= 0.0 else -u)
     return u / (n * D)
 
 
@@ -143,7 +154,7 @@ def propeller_forces(motion, controls, inflow, ship, tables):
     motion : Motion
         Through the water.
     controls : Controls
-        Propeller speed >= 0.
+        Propeller speed of either sign.
     inflow : Inflow
         Drift angle atan2(-v, abs(u)).
     ship : record
@@ -161,7 +172,7 @@ def propeller_forces(motion, controls, inflow, ship, tables):
     delta, n = controls
     p, axis, box = ship.propeller, ship.open_water, ship.surrogate
     u = u - p.y_P * r + 0.0  # never -0, whose drift angle would be 180 deg
-    ratio = wake(inflow, r, p)
+    ratio = wake(inflow, r, p) if u > 0.0 else 1.0
     u_A = ratio * u
     water = tables.open_water
     i, w = cell(advance_angle(u_A, n, p.D), axis.start, axis.step, water.shape[0])
@@ -186,5 +197,8 @@ def propeller_forces(motion, controls, inflow, ship, tables):
 
 @kernel
 def shaft_power(n, torque):
-    """Delivered power [W] = 2 pi n Q of rev/s and N m, numbers or arrays of one shape."""
+    """Delivered power [W] = 2 pi n Q of rev/s and N m, numbers or arrays of one shape.
+
+    Negative where the water drives the propeller.
+    """
     return 2.0 * math.pi * n * torque

@@ -29,27 +29,59 @@ C_N_PLATE = 1.17  # flat plate across the flow, Hoerner (1965) Fluid-Dynamic Dra
 # Beaufoy's formula as Stern et al. (2021) print it: 58.8 kgf s2/m4, and the race of a single screw
 BEAUFOY = 58.8 * 9.80665  # kg/m3
 BEAUFOY_RACE = 1.15
+# Share of the far race's velocity that a reversed propeller draws past the rudder: the suction of
+# an actuator disc one radius before it, (1 - 1 / sqrt(2)) / 2, by the vortex cylinder. Estimated:
+# no test of these ships with a reversed propeller is at hand.
+KAPPA_ASTERN = 0.5 * (1.0 - math.sqrt(0.5))
 
 
 @kernel
-def race_speed_squared(u, thrust, D, rho):
-    """Axial speed squared [m2/s2] in the propeller race, u^2 + 8 T / (rho pi D^2), never negative.
+def race_square(u, thrust, D, rho):
+    """Axial speed squared [m2/s2] in the propeller race, u^2 + 8 T / (rho pi D^2), with its sign.
 
     Momentum theory; Knight (2021) Eq. 2.20 with the square root that its print lacks, in terms of T
     so that no division by J is needed.
     """
-    return max(u * abs(u) + 8.0 * thrust / (rho * math.pi * D * D), 0.0)
+    return u * abs(u) + 8.0 * thrust / (rho * math.pi * D * D)
+
+
+@kernel
+def race_speed_squared(u, thrust, D, rho):
+    """`race_square`, but zero where a braking propeller has stopped its race."""
+    return max(race_square(u, thrust, D, rho), 0.0)
+
+
+@kernel
+def race_inflow(u_A, thrust, k, D, rho):
+    """Axial velocity [m/s] in the propeller's stream at the rudder, positive towards the stern.
+
+    Thrust ahead: YY15, u_A + kappa (u_s - u_A). A propeller that brakes slows that race; once it
+    has stopped it, and going astern, it draws water past the rudder the other way, of which
+    `KAPPA_ASTERN` arrives there (estimated).
+    """
+    square = race_square(u_A, thrust, D, rho)
+    u_s = math.copysign(math.sqrt(abs(square)), square)
+    if thrust > 0.0 or square >= 0.0:
+        return u_A + k.kappa * (u_s - u_A)
+    if u_A > 0.0:
+        return u_A - k.kappa * u_A + KAPPA_ASTERN * u_s
+    return u_A + KAPPA_ASTERN * (u_s - u_A)
 
 
 @kernel
 def axial_inflow(u, race, ship):
-    """u_R [m/s] at the rudder, YY15; astern only the race counts (not validated there)."""
+    """u_R [m/s] at the rudder, YY15; negative where the flow comes from astern (estimated there).
+
+    u_R^2 = epsilon^2 (eta u_in^2 + (1 - eta) u_A^2), each square with the sign of its velocity.
+    """
     thrust, ratio, _ = race
     k = ship.rudder
-    u_A = max(ratio * u, 0.0)
-    u_s = math.sqrt(race_speed_squared(u_A, thrust, ship.propeller.D, ship.rho))
-    u_in = u_A + k.kappa * (u_s - u_A)
-    return k.epsilon * math.sqrt(k.eta * u_in * u_in + (1.0 - k.eta) * u_A * u_A)
+    u_A = ratio * u
+    u_in = race_inflow(u_A, thrust, k, ship.propeller.D, ship.rho)
+    if u_A >= 0.0 and u_in >= 0.0:
+        return k.epsilon * math.sqrt(k.eta * u_in * u_in + (1.0 - k.eta) * u_A * u_A)
+    square = k.eta * u_in * abs(u_in) + (1.0 - k.eta) * u_A * abs(u_A)
+    return k.epsilon * math.copysign(math.sqrt(abs(square)), square)
 
 
 @kernel
@@ -127,6 +159,7 @@ def normal_force(direction, u_R, v_R, rudder, rho):
     s, c = direction
     across, along = u_R * s - v_R * c, u_R * c + v_R * s
     U_R = math.sqrt(u_R * u_R + v_R * v_R)
+    along = abs(along)  # from astern the blade works like from ahead (estimated)
     if along < COS_STALL * U_R:
         across = U_R * stalled(math.atan2(across, along), rudder.f_alpha)
     return 0.5 * rho * rudder.A_R * rudder.f_alpha * U_R * across

@@ -33,6 +33,7 @@ from ship_gym.ships.files import (
     name_of,
     text_of,
 )
+from ship_gym.ships.four_quadrants import Screw, nearest_screw
 from ship_gym.ships.open_water import open_water_table
 from ship_gym.ships.particulars import (
     Engine,
@@ -284,15 +285,6 @@ def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
 
 
 @dataclasses.dataclass(frozen=True)
-class _BSeries:
-    """Propeller of the Wageningen B-series."""
-
-    pitch_ratio: float
-    area_ratio: float
-    blades: int
-
-
-@dataclasses.dataclass(frozen=True)
 class _OpenWaterEntry:
     """Section ``open_water`` of a ship file: points with a degree, or polynomials in J."""
 
@@ -303,7 +295,8 @@ class _OpenWaterEntry:
     K_T: tuple[float, ...] = ()  # from the constant upwards
     K_Q: tuple[float, ...] = ()
     J_range: tuple[float, ...] = ()
-    b_series: _BSeries | None = None
+    b_series: Screw | None = None
+    four_quadrants: Screw | None = None  # outside the data; b_series, else the nearest, if omitted
 
 
 def _open_water(entry: Mapping[str, Any], path: Path, reader: Reader) -> Table:
@@ -322,7 +315,8 @@ def _open_water(entry: Mapping[str, Any], path: Path, reader: Reader) -> Table:
         else:
             J = np.linspace(*e.J_range, 33)
             K_Q = np.polyfit(J, b_series(J, **dataclasses.asdict(e.b_series))[1], 3)
-        return open_water_table(np.array(e.K_T[::-1]), K_Q, e.J_range, card)
+        K_T = np.array(e.K_T[::-1])
+        return open_water_table(K_T, K_Q, e.J_range, _screw(e, K_T, e.J_range, reader), card)
     if e.points is None:
         raise ConfigError(f"{where}: needs points = 'file.csv' or K_T with K_Q")
     check_number(f"{where}.degree", e.degree, 1, 6)
@@ -333,7 +327,22 @@ def _open_water(entry: Mapping[str, Any], path: Path, reader: Reader) -> Table:
     K_T = np.polyfit(J, points.columns["K_T"], e.degree)
     K_Q = np.polyfit(J, 0.1 * points.columns["10K_Q"], e.degree)
     card["points"] = {e.points: sha256(path.parent / e.points)}
-    return open_water_table(K_T, K_Q, (float(J.min()), float(J.max())), card)
+    J_range = (float(J.min()), float(J.max()))
+    return open_water_table(K_T, K_Q, J_range, _screw(e, K_T, J_range, reader), card)
+
+
+def _screw(e: _OpenWaterEntry, K_T: np.ndarray, J_range, reader: Reader) -> Screw:
+    """Series screw that stands for the propeller outside its open-water data, as an estimate."""
+    screw = e.four_quadrants or e.b_series
+    if screw is None:
+        J = np.linspace(*J_range, 33)
+        screw = nearest_screw(J, np.polyval(K_T, J))
+    reader.sources["open_water.four_quadrants"] = "Roddy, Hess & Faller (2006)"
+    reader.estimated["open_water.four_quadrants"] = (
+        f"outside the open-water data: Wageningen harmonics nearest to {screw.blades} blades, "
+        f"P/D {screw.pitch_ratio:g}, AE/A0 {screw.area_ratio:g}"
+    )
+    return screw
 
 
 def _with_surrogate(ship: Ship, data, folder: Path, name: str, wanted: str | None) -> Ship:

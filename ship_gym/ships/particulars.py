@@ -120,12 +120,16 @@ class SteeringGear:
 
 @dataclasses.dataclass(frozen=True)
 class Engine:
-    """Engine with a constant-rpm governor."""
+    """Engine with a constant-rpm governor; torque and inertia are of each shaft."""
 
     n_max: float = quantity("rev/s", "largest propeller speed")
     rate: float = quantity("rev/s2", "largest change of propeller speed per second")
     time_constant: float = quantity("s", "first-order lag; 0: none")
     torque_max: float = quantity("N m", "torque limit at the propeller", math.inf)
+    n_astern: float = quantity("rev/s", "largest propeller speed astern; 0: no reversing", 0.0)
+    reversal_time: float = quantity("s", "to stop and restart the other way; 0: none", 0.0)
+    torque_brake: float = quantity("N m", "against turning: friction, compression, air", 0.0)
+    shaft_inertia: float = quantity("kg m2", "shaft, engine and propeller in water; 0: none", 0.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -352,6 +356,9 @@ def check_sections(ship: Ship) -> None:
         "gear": ("delta_max", "rate"),
         "engine": ("n_max", "rate", "torque_max"),
     }
+    for name in ("n_astern", "reversal_time", "torque_brake", "shaft_inertia"):
+        check_number(f"{ship.name}: engine.{name}", getattr(ship.engine, name), 0.0)
+    check_number(f"{ship.name}: engine.n_astern", ship.engine.n_astern, 0.0, ship.engine.n_max)
     for section, names in positive.items():
         for name in names:
             value = getattr(getattr(ship, section), name)

@@ -23,6 +23,7 @@ _POWERS = {
     "rev/s": -0.5,
     "rev/s2": -1.0,
     "N m": 4.0,
+    "kg m2": 5.0,
 }
 # powers of the length ratio for a point of self-propulsion; the speeds go with its root
 _POINT_POWERS = {"thrust": 3.0, "effective_power": 3.5, "delivered_power": 3.5}
@@ -57,7 +58,7 @@ def scaled_section(section, ratio: float, density_ratio: float = 1.0):
     changes = {}
     for field in dataclasses.fields(section):
         unit = field.metadata["unit"]
-        factor = ratio ** _POWERS[unit] * (density_ratio if unit == "N m" else 1.0)
+        factor = ratio ** _POWERS[unit] * (density_ratio if unit in ("N m", "kg m2") else 1.0)
         changes[field.name] = getattr(section, field.name) * factor
     return dataclasses.replace(section, **changes)
 

@@ -142,8 +142,9 @@ def test_momentum_theory_has_the_root():
     st.floats(-10.0, 10.0),
     st.floats(-1.0, 1.0),
     st.floats(-D35, D35),
-    st.floats(0.0, 30.0),
+    st.floats(-30.0, 30.0),
 )
+@example("kcs", 1.0, 0.0, 0.0, 0.5, -1.0)  # braking
 @example("kcs", -1.0, 0.0, 0.0, 0.5, 1.0)  # straight astern: a drift of 180 deg on either side
 @example("kcs", -0.0, 0.0, 0.0, 0.5, 0.0)
 def test_finite_everywhere_and_mirror_symmetric(name, u, v, r, delta, n):
@@ -193,7 +194,7 @@ def test_no_kink_over_rudder_angle_and_drift(name):
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("name", available_ships())
-@pytest.mark.parametrize("share", [0.0, 0.5])
+@pytest.mark.parametrize("share", [-0.4, 0.0, 0.5])
 @pytest.mark.parametrize("delta", [0.0, 0.4])
 def test_no_jump_at_any_drift_angle_ahead_and_astern(name, share, delta):
     """Velocity turned through the full circle, propeller stopped and turning."""
@@ -206,9 +207,10 @@ def test_no_jump_at_any_drift_angle_ahead_and_astern(name, share, delta):
         rows = [forces(m, (delta, n), record, tables) for m in motions]
         return np.array([[*row[1], *row[2], row[3][3], row[3][4]] for row in rows])
 
-    fine, coarse = (np.abs(np.diff(sampled(c), axis=0)).max(axis=0) for c in (8001, 4001))
+    fine, coarse = (np.abs(np.diff(sampled(c), axis=0)).max(axis=0) for c in (8001, 501))
     changing = coarse > 1e-9 * np.abs(sampled(101)).max(axis=0)
-    assert (fine[changing] / coarse[changing]).max() < 0.62
+    # 1/16 where smooth, 0.36 at the root where a reversed propeller stops its race, 1 at a jump
+    assert (fine[changing] / coarse[changing]).max() < 0.45
 
 
 def test_stopped_propeller_and_stopped_ship(ship):

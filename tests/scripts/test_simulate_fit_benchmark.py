@@ -81,6 +81,15 @@ def test_simulate_json_csv_and_recording(call):
     assert all(Path(path).stat().st_size > 10_000 for path in data["files"])
 
 
+def test_simulate_crash_stop(call):
+    code, out, _ = call("simulate.py", "stopping", "--ship", "kcs", "--json", "--csv", "s.csv")
+    data = json.loads(out)
+    assert code == 0
+    assert data["files"] == ["runs/stopping.png", "s.csv"] and Path("s.csv").stat().st_size > 10_000
+    assert data["imo"]["track_reach"]["limit"] == 15.0 and data["imo"]["track_reach"]["pass"]
+    assert 0.0 < data["measures"]["reversal"] < data["measures"]["time"]
+
+
 def test_simulate_all_trials(call):
     code, out, _ = call("simulate.py", "trials", "--json", "--out", "t.png")
     trials = json.loads(out)["trials"]
@@ -104,6 +113,10 @@ def test_simulate_all_trials(call):
         (("--n", "99"), ("n = 99", "rev/s")),
         (("--psi", "10"), ("psi",)),
         (("trials", "--delta", "20"), ("trials", "delta")),
+        (("turning", "--order", "-5"), ("order", "crash stop")),
+        (("spiral", "--psi", "10"), ("psi", "spiral")),
+        (("stopping", "--order", "-99"), ("order", "-12 to 0")),
+        (("stopping", "--loading", "l.png"), ("loading",)),
     ],
 )
 def test_simulate_refuses_in_one_line(call, arguments, words):

@@ -22,7 +22,7 @@ VERBS = {
     "evaluate": "Sail controllers on the same evaluation episodes; print their metrics.",
     "record": "Record one episode as a rerun file, read it back and compute its metrics.",
     "review": "Print the metrics of recordings side by side, computed from the files.",
-    "simulate": "Sail a turning circle, a zig-zag or all trials of a ship.",
+    "simulate": "Sail a standard manoeuvre or all trials of a ship.",
     "trials": "Sail every trial of every ship and compare, with the scatter of the facilities.",
     "tune": "Tune the PID by differential evolution on seeds kept for tuning.",
     "fit-surrogate": "Fit a propeller and rudder surrogate to CFD points.",
