@@ -105,12 +105,13 @@ def test_kvlcc2_turning_circles(trial):
     ],
 )
 def test_kvlcc2_zigzag_against_an_independent_simulation(delta, expected):
-    """With the resistance, wake and thrust deduction of that simulation, as YY15 prints them."""
+    """With resistance, wake and thrust deduction as YY15 prints them, and no single-screw bias."""
     ship = load_ship("kvlcc2_model")
     ship = dataclasses.replace(
         ship,
         hull=dataclasses.replace(ship.hull, R_0=0.022),
         propeller=dataclasses.replace(ship.propeller, w_P0=0.40, t_P=0.220),
+        rudder=dataclasses.replace(ship.rudder, neutral=0.0),
     )
     angle = math.radians(delta)
     found = np.degrees(zigzag(ship, angle, angle, ship.speed, overshoots=2).overshoots)
