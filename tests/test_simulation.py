@@ -110,7 +110,7 @@ def test_bad_input(kcs_model):
         (lambda sim: sim.step([[0.1, 10.0]] * 2, -1.0), "dt = -1.0"),
         (lambda sim: sim.step([[0.1, 10.0]] * 2, [0.1, 0.0]), "dt = [0.1, 0.0]"),
         (lambda sim: sim.reset(speed=np.nan), "speed = nan"),
-        (lambda sim: sim.reset(n=-5.0), "n = -5"),
+        (lambda sim: sim.reset(n=-50.0), "n = -50"),
     ],
 )
 def test_bad_input_is_refused_before_any_work(kcs_model, call, word):
