@@ -88,6 +88,15 @@ def test_coasting_by_hand():
     assert found.final_n == 0.0 and math.isnan(found.reversal)
 
 
+def test_an_unstable_ship_with_a_neutral_angle_stays_on_her_course():
+    """KVLCC2's rudder is held where it has no force; amidships she would turn away."""
+    ship = load_ship("kvlcc2")
+    assert ship.rudder.neutral != 0.0
+    held, amidships = stopping(ship), stopping(ship, delta=0.0)
+    assert abs(held.heading_change) < 1e-9 and held.trajectory["delta"][0] != 0.0
+    assert abs(amidships.heading_change) > 1e-6
+
+
 def test_acceleration_ends_at_its_share_of_the_speed():
     ship = load_ship("kcs_model")
     found, half = acceleration(ship), acceleration(ship, share=0.5)
