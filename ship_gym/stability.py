@@ -20,10 +20,10 @@ from ship_gym.sea.state import Sea
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship
 from ship_gym.simulation import through_water
-from ship_gym.stopping import water_motion
+from ship_gym.stopping import neutral_angle, water_motion
 
 _SAMPLE = 1.0 / 28.0  # output step [L / U0]
-_TURN, _PULL = 12.0, 40.0  # L / U0 with the rudder over, and with it amidships
+_TURN, _PULL = 12.0, 40.0  # L / U0 with the rudder over, and with it neutral
 _STEADY = 2e-5  # change of r' within one L / U0 that counts as none
 _HOLD = (4.0, 80.0)  # shortest and longest hold of a spiral's rudder angle [L / U0]
 _FINE = math.radians(3.0)  # within it a spiral goes in quarter steps
@@ -39,11 +39,11 @@ class PullOut:
     turning_rate_starboard, turning_rate_port : float
         r' at the end of the turns.
     residual_starboard, residual_port : float
-        r' that is left with the rudder amidships after each turn.
+        r' that is left with the rudder at its neutral angle after each turn.
     residual_difference : float
         Of the two: 0 for a ship that is stable on a straight course.
     half_time : float
-        Time after the first rudder order amidships until r' has halved [s].
+        Time after the first order of the neutral angle until r' has halved [s].
     """
 
     turning_rate_starboard: float
@@ -98,7 +98,7 @@ def pull_out(
     n: float | None = None,
     sea: Sea | None = None,
 ) -> PullOut:
-    """Pull-out: turn steadily to starboard, rudder amidships; then the same to port.
+    """Pull-out: turn steadily to starboard, rudder to neutral; then the same to port.
 
     Parameters
     ----------
@@ -122,8 +122,9 @@ def pull_out(
         raise ConfigError("delta = 0: a pull-out needs a rudder angle")
     run, unit = Run(ship, U0, n, sea, _SAMPLE), ship.hull.L / U0
     ends = []
-    for angle, length in ((1, _TURN), (0, _PULL), (-1, _TURN), (0, _PULL)):
-        run.until(lambda sim, t: False, angle * abs(delta), length * unit)
+    largest, neutral = abs(delta), neutral_angle(ship)
+    for angle, length in ((largest, _TURN), (neutral, _PULL), (-largest, _TURN), (neutral, _PULL)):
+        run.until(lambda sim, t: False, angle, length * unit)
         ends.append(_yaw_rate(run))
     c = run.columns()
     U = np.hypot(*through_water(c))

@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError, check_number
-from ship_gym.conventions import PSI, U, V
+from ship_gym.conventions import DELTA, PSI, U, V
 from ship_gym.manoeuvres import Run, approach
 from ship_gym.physics.dynamics import water_velocity
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.sea.state import Sea
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship
+from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim, through_water
 
 _LONGEST = 400.0  # L / U0 after which a ship that has not arrived is refused
@@ -68,7 +69,7 @@ class SpeedChange:
 
 def stopping(
     ship: Named,
-    delta: float = 0.0,
+    delta: float | None = None,
     speed: float | None = None,
     n: float | None = None,
     order: float | None = None,
@@ -79,8 +80,8 @@ def stopping(
     Parameters
     ----------
     ship : str, path or Ship
-    delta : float
-        Rudder angle during the stop [rad], positive to starboard.
+    delta : float, optional
+        Rudder angle all the time [rad], positive to starboard; `neutral_angle` if omitted.
     speed, n : float, optional
         Approach speed through the water [m/s], the ship's nominal one if omitted, and propeller
         speed [rev/s], self-propulsion if omitted.
@@ -96,12 +97,13 @@ def stopping(
         that does not stop.
     """
     ship = load_ship(ship)
+    delta = neutral_angle(ship) if delta is None else delta
     U0, n = approach(ship, delta, speed, n)
     if not ship.engine.n_astern > 0.0:
         raise ConfigError(f"{ship.name}: engine.n_astern = 0: her engine cannot reverse")
     limit = ship.engine.n_astern
     order = check_number("order", -limit if order is None else order, -limit, 0.0, "rev/s")
-    run = Run(ship, U0, n, sea, _SAMPLE)
+    run = _begun(ship, U0, n, sea)
     run.n = order
     _until(run, lambda sim, t: water_motion(sim)[0] <= 0.0, delta, U0, "does not stop")
     config = {"delta": delta, "speed": U0, "n": n, "order": order}
@@ -110,7 +112,7 @@ def stopping(
 
 def coasting(
     ship: Named,
-    delta: float = 0.0,
+    delta: float | None = None,
     speed: float | None = None,
     n: float | None = None,
     share: float = 0.1,
@@ -132,9 +134,10 @@ def coasting(
         A share outside 0.01 to 0.99, or a ship that does not slow down to it.
     """
     ship = load_ship(ship)
+    delta = neutral_angle(ship) if delta is None else delta
     U0, n = approach(ship, delta, speed, n)
     check_number("share", share, 0.01, 0.99)
-    run = Run(ship, U0, n, sea, _SAMPLE)
+    run = _begun(ship, U0, n, sea)
     run.n = 0.0
     reached = _slower_than(share * U0)
     _until(run, reached, delta, U0, f"does not slow down to {share:g} of her speed")
@@ -144,7 +147,7 @@ def coasting(
 
 def acceleration(
     ship: Named,
-    delta: float = 0.0,
+    delta: float | None = None,
     speed: float | None = None,
     n: float | None = None,
     share: float = 0.9,
@@ -169,9 +172,10 @@ def acceleration(
         A share outside 0.01 to 0.99, or a ship that does not reach it.
     """
     ship = load_ship(ship)
+    delta = neutral_angle(ship) if delta is None else delta
     U0, n = approach(ship, delta, speed, n)
     check_number("share", share, 0.01, 0.99)
-    run = Run(ship, U0, n, sea, _SAMPLE, at_rest=True)
+    run = _begun(ship, U0, n, sea, at_rest=True)
     slower = _slower_than(share * U0)
     _until(
         run, lambda sim, t: not slower(sim, t), delta, U0, f"does not reach {share * U0:.4g} m/s"
@@ -180,11 +184,23 @@ def acceleration(
     return _measured(run, U0, {"manoeuvre": "acceleration", **config})
 
 
+def neutral_angle(ship: Ship) -> float:
+    """Rudder angle [rad] at which a ship on a straight course feels no rudder force."""
+    return math.atan(ship.rudder.neutral)
+
+
 def water_motion(sim: ShipSim) -> tuple[float, float]:
     """Surge and sway velocity of the first ship through the water [m/s]."""
     state = sim.state[0]
     u_c, v_c = water_velocity(state[PSI], sim.seas[0])
     return float(state[U] - u_c), float(state[V] - v_c)
+
+
+def _begun(ship: Ship, U0: float, n: float, sea: Sea | None, at_rest: bool = False) -> Run:
+    """A run whose rudder is at the angle of the straight course before."""
+    run = Run(ship, U0, n, sea, _SAMPLE, at_rest)
+    run.sim.state[0, DELTA] = neutral_angle(ship)
+    return run
 
 
 def _slower_than(speed: float):

@@ -2,16 +2,19 @@
 
 import dataclasses
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ship_gym.config import ConfigError
+from ship_gym.conventions import KNOT
 from ship_gym.manoeuvres import imo_limits
 from ship_gym.sea import Sea
 from ship_gym.ships import load_ship
 from ship_gym.ships.scaling import scaled
-from ship_gym.simulation import ShipSim, longest_step, self_propulsion
+from ship_gym.simulation import ShipSim, longest_step, self_propulsion, straight_forces
+from ship_gym.stability import spiral
 from ship_gym.stopping import acceleration, coasting, stopping
 
 
@@ -88,6 +91,15 @@ def test_coasting_by_hand():
     assert found.final_n == 0.0 and math.isnan(found.reversal)
 
 
+def test_an_unstable_ship_with_a_neutral_angle_stays_on_her_course():
+    """KVLCC2's rudder is held where it has no force; amidships she would turn away."""
+    ship = load_ship("kvlcc2")
+    assert ship.rudder.neutral != 0.0
+    held, amidships = stopping(ship), stopping(ship, delta=0.0)
+    assert abs(held.heading_change) < 1e-9 and held.trajectory["delta"][0] != 0.0
+    assert abs(amidships.heading_change) > 1e-6
+
+
 def test_acceleration_ends_at_its_share_of_the_speed():
     ship = load_ship("kcs_model")
     found, half = acceleration(ship), acceleration(ship, share=0.5)
@@ -115,6 +127,27 @@ def test_a_stop_with_the_rudder_over_turns_and_a_current_carries_it():
     drift = 0.5 * carried.time / load_ship("kcs").hull.L
     assert carried.lateral_deviation == pytest.approx(drift, rel=0.02)
     assert carried.head_reach == pytest.approx(still.head_reach, rel=0.01)
+
+
+PAGE = Path(__file__).parents[1] / "docs" / "stopping.md"
+ROWS = [line.split("|")[1:-1] for line in PAGE.read_text().splitlines() if line.startswith("| `")]
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row[0].strip()} {row[1].strip()} kn")
+def test_table_of_the_page(row):
+    name, knots, *printed = (cell.strip() for cell in row)
+    ship = load_ship(name.strip("`"))
+    speed = ship.speed if abs(ship.speed / KNOT - float(knots)) < 0.05 else float(knots) * KNOT
+    n = self_propulsion(ship, speed)
+    resistance = -straight_forces(ship, speed, n)[0].hull.X
+    found = [straight_forces(ship, speed, k * n)[1].thrust / resistance for k in (0.0, 0.3, -0.5)]
+    stop, coast = stopping(ship, speed=speed), coasting(ship, speed=speed)
+    found += [stop.track_reach, stop.time, stop.reversal, coast.track_reach]
+    found += [acceleration(ship, speed=speed).track_reach]
+    found += [math.degrees(spiral(ship, speed=speed).loop_width)]
+    digits = [len(text.partition(".")[2]) for text in printed]
+    shown = [f"{value:.{k}f}" for value, k in zip(found, digits, strict=True)]
+    assert shown == printed
 
 
 def test_reruns_from_its_meta(stop):

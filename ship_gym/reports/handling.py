@@ -15,7 +15,7 @@ from ship_gym.reports.manoeuvre import CONDITION, estimates
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import self_propulsion
 from ship_gym.stability import PullOut, Spiral, pull_out, spiral
-from ship_gym.stopping import SpeedChange, acceleration, coasting, stopping
+from ship_gym.stopping import SpeedChange, acceleration, coasting, neutral_angle, stopping
 from ship_gym.text import paragraph, table
 
 _DEG = 180.0 / math.pi
@@ -34,8 +34,8 @@ class Kind:
         Function of ``ship_gym.stopping`` or ``ship_gym.stability``.
     title : str
         For people.
-    delta_deg : float
-        Rudder angle if none is given [deg].
+    delta_deg : float or None
+        Rudder angle if none is given [deg]; None: the ship's neutral angle.
     ordered : bool
         Whether it takes a propeller order.
     quantities : dict
@@ -44,7 +44,7 @@ class Kind:
 
     sail: Callable[..., Any]
     title: str
-    delta_deg: float
+    delta_deg: float | None
     ordered: bool
     quantities: dict[str, tuple[str, str, float, int]]
 
@@ -65,8 +65,8 @@ _ASTERN = {
 _PULL_OUT = {
     "turning_rate_starboard": ("yaw rate r L/U of the turn to starboard", "-", 1.0, 3),
     "turning_rate_port": ("yaw rate r L/U of the turn to port", "-", 1.0, 3),
-    "residual_starboard": ("left with rudder amidships, after starboard", "-", 1.0, 4),
-    "residual_port": ("left with rudder amidships, after port", "-", 1.0, 4),
+    "residual_starboard": ("left with rudder neutral, after starboard", "-", 1.0, 4),
+    "residual_port": ("left with rudder neutral, after port", "-", 1.0, 4),
     "residual_difference": ("difference of the two", "-", 1.0, 4),
     "half_time": ("yaw rate halves after", "s", 1.0, 1),
 }
@@ -78,9 +78,9 @@ _SPIRAL = {
 }
 # what the user types -> the manoeuvre
 KINDS = {
-    "stopping": Kind(stopping, "crash stop", 0.0, True, _WAY | _ASTERN),
-    "coasting": Kind(coasting, "coasting with the engine stopped", 0.0, False, _WAY),
-    "acceleration": Kind(acceleration, "acceleration from rest", 0.0, False, _WAY),
+    "stopping": Kind(stopping, "crash stop", None, True, _WAY | _ASTERN),
+    "coasting": Kind(coasting, "coasting with the engine stopped", None, False, _WAY),
+    "acceleration": Kind(acceleration, "acceleration from rest", None, False, _WAY),
     "pull_out": Kind(pull_out, "pull-out", 20.0, False, _PULL_OUT),
     "spiral": Kind(spiral, "direct spiral", 15.0, False, _SPIRAL),
 }
@@ -120,8 +120,8 @@ def sail_handling(
     manoeuvre : str
         Key of `KINDS`.
     delta_deg : float, optional
-        Rudder angle [deg]: held in a stop, of the turns of a pull-out (20), largest of a spiral
-        (15).
+        Rudder angle [deg]: held in a stop (neutral), of the turns of a pull-out (20), largest of
+        a spiral (15).
     speed, n : float, optional
         Approach speed [m/s] and propeller speed [rev/s]; nominal speed and self-propulsion.
     order : float, optional
@@ -137,6 +137,7 @@ def sail_handling(
     kind = KINDS[check_known("manoeuvre", manoeuvre, KINDS)]
     limit = math.degrees(ship.gear.delta_max) * (1.0 + 1e-12)
     given = kind.delta_deg if delta_deg is None else delta_deg
+    given = math.degrees(neutral_angle(ship)) if given is None else given
     delta = math.radians(check_number("delta", given, -limit, limit, "deg"))
     delta = min(max(delta, -ship.gear.delta_max), ship.gear.delta_max)
     speed = check_number("speed", ship.speed if speed is None else speed, 1e-6, 100.0, "m/s")

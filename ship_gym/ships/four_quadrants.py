@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ship_gym.config import check_number
 from ship_gym.csv_file import read_csv
 from ship_gym.ships.b_series import b_series
 
@@ -25,11 +26,16 @@ _AREA, _SMALL_AREA = 0.70, 0.40  # of the four-bladed screws; the second at pitc
 
 @dataclasses.dataclass(frozen=True)
 class Screw:
-    """Propeller of the Wageningen B-series."""
+    """Propeller of the Wageningen B-series: P/D, AE/A0, number of blades."""
 
     pitch_ratio: float
     area_ratio: float
     blades: int
+
+    def __post_init__(self):
+        check_number("pitch_ratio", self.pitch_ratio, 0.3, 2.5)
+        check_number("area_ratio", self.area_ratio, 0.2, 1.5)
+        check_number("blades", self.blades, 2, 9)
 
 
 @functools.cache

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from ship_gym.config import ConfigError
 from ship_gym.ships import load_ship
 from ship_gym.ships.b_series import b_series
 from ship_gym.ships.four_quadrants import Screw, harmonics, nearest_screw, starred_of
@@ -62,6 +63,12 @@ def test_pitch_and_area_lie_between_the_tabulated_screws():
         np.divide(*starred_of(Screw(0.721, area, 4), math.pi / 2)[::-1]) for area in (0.431, 0.7)
     ]
     assert lever[0] == pytest.approx(lever[1], rel=0.25)  # torque by thrust: the same pitch
+
+
+@pytest.mark.parametrize("screw", [(-1.0, 0.7, 4), (0.8, 7.0, 4), (0.8, 0.7, 1)])
+def test_no_such_screw(screw):
+    with pytest.raises(ConfigError, match="allowed is"):
+        Screw(*screw)
 
 
 def test_nearest_screw_finds_a_screw_of_the_series():
