@@ -1,4 +1,4 @@
-"""Force samples at points (J, beta) with the rudder held at one angle, and where they come from."""
+"""Force samples at points (J, beta) with the rudder at one or more angles, and their source."""
 
 from __future__ import annotations
 
@@ -28,9 +28,11 @@ class Samples:
     points, rows : numpy.ndarray
         Number of each point and its line in the file, shape (n,).
     X : numpy.ndarray
-        J [-] and drift angle beta [rad], shape (n, 2).
+        J [-] and drift angle beta [rad], shape (n, 2), with the rudder angle [rad] (n, 3).
     values : dict
         Quantity to coefficients, shape (n,), in the axes of the source.
+    noise : dict
+        Quantity to the standard deviation of each point, shape (n,), where the file gives one.
     """
 
     path: str
@@ -39,6 +41,11 @@ class Samples:
     rows: np.ndarray
     X: np.ndarray
     values: dict[str, np.ndarray]
+    noise: dict[str, np.ndarray] = dataclasses.field(default_factory=dict)
+
+    def delta(self, fixed: float) -> float | np.ndarray:
+        """Rudder angle of the points [rad]: shape (n,) where it is an input, else the fixed one."""
+        return self.X[:, 2] if self.X.shape[1] > 2 else fixed
 
     def pick(self, points) -> Samples:
         """Some points, in the order asked for.
@@ -54,8 +61,14 @@ class Samples:
             raise ConfigError(f"{self.path}: points {wrong} must be there once")
         order = np.array([hits[0] for hits in found], dtype=int)
         values = {name: column[order] for name, column in self.values.items()}
+        noise = {name: column[order] for name, column in self.noise.items()}
         return dataclasses.replace(
-            self, points=self.points[order], rows=self.rows[order], X=self.X[order], values=values
+            self,
+            points=self.points[order],
+            rows=self.rows[order],
+            X=self.X[order],
+            values=values,
+            noise=noise,
         )
 
 
@@ -70,7 +83,7 @@ class DataSet:
     path, coefficients : Path
         Points; regression coefficients that the source prints, if it does.
     delta : float
-        Size of the rudder angle [rad].
+        Size of the rudder angle [rad]; the largest of several.
     thrust : str
         Column of the axial force coefficient: ``K_T``, or ``K_X`` along the ship's axis.
     quantities : tuple of str
@@ -86,6 +99,9 @@ class DataSet:
         Points to fit to and points held out.
     choices : tuple
         Grids and turbulence models, the default first; empty without such columns.
+    angles : tuple of float
+        Rudder angles of the file that belong to the set [rad]: one, or several as a third input;
+        empty where the file has no column ``delta``.
     """
 
     name: str
@@ -101,6 +117,7 @@ class DataSet:
     to_port: bool = False
     coefficients: Path | None = None
     choices: tuple[tuple[str, str], ...] = ()
+    angles: tuple[float, ...] = ()
 
     @property
     def sign(self) -> float:
@@ -116,7 +133,9 @@ class DataSet:
                 check_known(f"{column} of {self.name}", wanted, sorted(set(rows.columns[column])))
         conditions = {"grid": grid, "turbulence": turbulence, "side": self.sides[side]}
         rows = rows.where(**{k: v for k, v in conditions.items() if v})
-        return samples_of(rows, self.quantities)
+        if self.angles:
+            rows = rows.select(np.isin(rows.si("delta"), self.angles))
+        return samples_of(rows, self.quantities, len(self.angles) > 1)
 
     def printed(self, model: str, side: str = SINGLE) -> dict[str, np.ndarray]:
         """Second-order coefficients that the source prints for a model, e.g. ``"G2_SA"``.
@@ -142,17 +161,22 @@ class DataSet:
         return found
 
 
-def samples_of(rows: CsvTable, quantities) -> Samples:
-    """Samples from the rows of a file; the drift column may be ``beta`` or ``abs(beta)``."""
+def samples_of(rows: CsvTable, quantities, rudder: bool = False) -> Samples:
+    """Samples from the rows of a file, with or without the rudder angle as third input.
+
+    The drift column may be ``beta`` or ``abs(beta)``.
+    """
     beta = "abs(beta)" if "abs(beta)" in rows.columns else "beta"
-    rows.require("point", "J", beta, *quantities)
+    inputs = ("J", beta, "delta") if rudder else ("J", beta)
+    rows.require("point", *inputs, *quantities)
     return Samples(
         path=rows.path,
         source=rows.header["source"],
         points=rows.columns["point"].astype(int),
         rows=rows.rows,
-        X=np.stack([rows.si("J"), rows.si(beta)], axis=1),
+        X=np.stack([rows.si(name) for name in inputs], axis=1),
         values={name: rows.columns[name] for name in quantities},
+        noise={k: rows.columns[f"{k} std"] for k in quantities if f"{k} std" in rows.columns},
     )
 
 
