@@ -1,4 +1,8 @@
-"""Pictures and numbers of docs/seaway.md: run ``python docs/seaway.py``. Nothing is tuned here."""
+"""Pictures and tables of docs/seaway.md: run ``python docs/seaway.py``. Nothing is tuned here.
+
+The tables between the marks ``<!-- name -->`` and ``<!-- /name -->`` of the page are written anew;
+the sentences are not.
+"""
 
 from __future__ import annotations
 
@@ -9,15 +13,18 @@ from pathlib import Path
 import numpy as np
 from ship_gym_agents.pid import PID
 
+from reproduce import white
 from reproduce.headings import HeadingRun, bow_to_waves, plot_headings
 from ship_gym import load_ship
 from ship_gym.conventions import KNOT, G, N
 from ship_gym.evaluation import rollout
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.plotting.seaway import plot_turning_in_waves
+from ship_gym.provenance import atomic_path
 from ship_gym.recording import Trajectory
-from ship_gym.reports.case import Case, sail
+from ship_gym.reports.case import Case, sail_trial
 from ship_gym.reports.manoeuvre import wave_share
+from ship_gym.reports.measures import difference_text, rows
 from ship_gym.sea.sea_states import sea_state
 from ship_gym.sea.state import irregular_sea
 from ship_gym.simulation import ShipSim, history_columns
@@ -25,24 +32,9 @@ from ship_gym.text import table
 
 markdown = functools.partial(table, markdown=True)
 DOCS = Path(__file__).parent
-# White (2020): approach speed [m/s], propeller [rev/s], wave height [m]; lambda = L, head sea
-CIRCLES = {"kcs_model": (0.860, 13.2, 0.048), "dtc_model": (1.48, 15.7, 0.112)}
 SEA_STATE, MINUTES = 5, 30.0
 WAVES_FROM = (20.0, 60.0, 120.0, 160.0)  # deg
 SPEEDS = (0.0, 1.0, 2.0, 4.0, 7.46)  # m/s
-
-
-def circle(name: str, side: int = 1) -> Case:
-    """Turning circle of White's waves, 35 deg to starboard (1) or port (-1)."""
-    speed, n, height = CIRCLES[name]
-    return sail(
-        load_ship(name),
-        delta_deg=35.0 * side,
-        speed=speed,
-        n=n,
-        wave_height=height,
-        wavelength=1.0,
-    )
 
 
 def circle_row(case: Case) -> list[str]:
@@ -65,6 +57,32 @@ def circle_row(case: Case) -> list[str]:
         f"{largest['Y']:.0%}",
         f"{largest['N']:.0%}",
     ]
+
+
+def trial_rows(names: tuple[str, ...]) -> list[list[str]]:
+    """Every trial in waves of the ships: measured, here, in calm water, and by others."""
+    cells = []
+    for ship in map(load_ship, names):
+        for case in (sail_trial(ship, trial) for trial in ship.trials if trial.waves):
+            for row in (row for row in rows(case) if row.measured is not None):
+                others = ", ".join(f"{row.shown(x)} ({who})" for who, x in row.others.items())
+                numbers = [row.shown(x) for x in (row.measured, row.computed, row.calm)]
+                label = f"{row.label.strip()} [{row.unit}]"
+                cells.append([ship.name, label, *numbers, difference_text(row), others])
+    return cells
+
+
+def write_tables(page: Path, tables: dict[str, str]) -> None:
+    """Put each table between its marks in a page; a mark that is missing is an error."""
+    text = page.read_text(encoding="utf-8")
+    for name, made in tables.items():
+        start, end = f"<!-- {name} -->\n\n", f"\n\n<!-- /{name} -->"
+        before, found, rest = text.partition(start)
+        if not found or end not in rest:
+            raise ValueError(f"{page}: no marks <!-- {name} --> and <!-- /{name} -->")
+        text = before + start + made + rest[rest.index(end) :]
+    with atomic_path(page) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def heading_runs(controller: Controller) -> list[Trajectory]:
@@ -169,6 +187,10 @@ CIRCLE_HEADER = [
     *("drift [L]", "to [deg]", "C_X at first", "wave share at first", "share to 90 deg"),
     *("Y wave / rudder", "N wave / rudder"),
 ]
+TRIAL_HEADER = [
+    *("ship", "measure", "measured", "here", "calm water", "difference"),
+    "others",
+]
 HEADING_HEADER = [
     *("waves from [deg]", "stopped: bow to waves [deg]", "rudder amidships: bow to waves [deg]"),
     *("PID: largest heading error [deg]", "wave-frequency yaw, std [deg]"),
@@ -176,10 +198,10 @@ HEADING_HEADER = [
 ]
 
 if __name__ == "__main__":
-    cases = [circle(name, side) for name in CIRCLES for side in (1, -1)]
+    cases = [white.circle(name, side) for name in white.CIRCLES for side in (1, -1)]
     for case in cases[::2]:
         plot_turning_in_waves(case, DOCS / f"seaway_{case.ship.name}.png")
-    print(markdown(CIRCLE_HEADER, [circle_row(case) for case in cases]))
+    found = white.findings(cases[2], cases[0], white.kcs_in_calm_water())
     sailed = (drifting_runs(0.0, MINUTES), heading_runs(ConstantController()), heading_runs(PID()))
     runs = [HeadingRun(*parts) for parts in zip(WAVES_FROM, *sailed, strict=True)]
     state = sea_state(SEA_STATE)
@@ -191,8 +213,15 @@ if __name__ == "__main__":
         f"{state.peak_period:g} s, long-crested, no wind; moments are minute means; thin "
         "lines: with wave-frequency yaw",
     )
-    print("\n" + markdown(HEADING_HEADER, heading_table(runs)))
-    header = ["speed at first [kn]", *(f"waves from {angle:.0f} deg" for angle in WAVES_FROM)]
-    print("\n" + markdown(header, speed_table()))
+    speeds = ["speed at first [kn]", *(f"waves from {angle:.0f} deg" for angle in WAVES_FROM)]
+    made = {
+        "circles": markdown(CIRCLE_HEADER, [circle_row(case) for case in cases]),
+        "trials": markdown(TRIAL_HEADER, trial_rows(("onrt_model", "kcs_model"))),
+        "white": markdown(white.HEADER, white.rows(found)),
+        "headings": markdown(HEADING_HEADER, heading_table(runs)),
+        "speeds": markdown(speeds, speed_table()),
+    }
+    write_tables(DOCS / "seaway.md", made)
+    print("\n\n".join(made.values()))
     largest = max(np.abs(np.degrees(run.steered["psi"])).max() for run in runs)
     print(f"\nlargest heading error with PID in {MINUTES:.0f} min: {largest:.2f} deg")

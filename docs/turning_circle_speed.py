@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from scipy.optimize import brentq
 
@@ -18,8 +18,12 @@ from ship_gym.manoeuvres import TurningCircle, turning_circle
 from ship_gym.physics.dynamics import forces
 from ship_gym.physics.quantities import Tables
 from ship_gym.reports.balance import inertia_terms, last_turn
+from ship_gym.ships.loader import attach_surrogate
 from ship_gym.ships.particulars import Ship
-from ship_gym.ships.records import fleet
+from ship_gym.ships.records import anchored, fleet
+from ship_gym.surrogates.fit import fit
+from ship_gym.surrogates.force_table import table_of
+from ship_gym.surrogates.samples import KCS
 from ship_gym.text import table
 
 markdown = functools.partial(table, markdown=True)
@@ -102,11 +106,40 @@ def changed(section: str, **values: float) -> Ship:
 
 def multiplied(thrust: float = 1.0, normal: float = 1.0, ship: Ship = SHIP) -> Ship:
     """The ship with thrust and torque, or rudder normal force, of its surrogate multiplied."""
-    table = ship.surrogate
-    factors = [thrust, thrust, 1.0, normal, 1.0, 1.0]  # C_T, C_Q, C_S, C_N, C_A, trust
+    table = anchored(ship)
+    factors = [1.0] * len(table.names)
+    for k, name in enumerate(table.names):
+        factors[k] = {"C_T": thrust, "C_Q": thrust, "C_N": normal}.get(name, 1.0)
+    card = {**table.card, "anchored": False}  # it has been
     return dataclasses.replace(
-        ship, surrogate=dataclasses.replace(table, values=table.values * factors)
+        ship, surrogate=dataclasses.replace(table, values=table.values * factors, card=card)
     )
+
+
+def without_captive_set() -> Ship:
+    """The ship as without captive tests: law and thrust of the samples, t_R = 0, set C's wake."""
+    bare = load_ship("kcs_model", surrogate="none")
+    wake = dataclasses.replace(bare.propeller, wake_l_P=0.0, wake_beta2=4.0)
+    doubted = {**bare.estimated, "rudder.kappa": "left aside"}
+    ship = dataclasses.replace(bare, propeller=wake, estimated=doubted)
+    return attach_surrogate(ship, table_of(fit(KCS), ship), "G2_SA")
+
+
+def remedies() -> Iterator[tuple[str, Callable[[], Ship], float]]:
+    """What the captive set changes, one by one and together."""
+    old, rudder = without_captive_set(), SHIP.rudder
+    shift = dataclasses.replace(old.surrogate, card={**old.surrogate.card, "anchored": True})
+    yield "0: samples' law and thrust, t_R = 0, set C's wake", lambda: old, N
+    steered = dataclasses.replace(old.rudder, t_R=rudder.t_R)
+    yield "0 with t_R = 0.258", lambda: dataclasses.replace(old, rudder=steered), N
+    yield "0 with thrust shifted to the tank", lambda: dataclasses.replace(old, surrogate=shift), N
+    yield "0 with set B's wake", lambda: dataclasses.replace(old, propeller=SHIP.propeller), N
+    level = dataclasses.replace(rudder, t_R=0.0)
+    yield "0 with set B's rudder law", lambda: dataclasses.replace(old, rudder=level), N
+    yield "all of them: as it is", lambda: SHIP, N
+    yield "as it is, but t_R = 0", lambda: changed("rudder", t_R=0.0), N
+    yield "as it is, but t_R = a_H = 0", lambda: changed("rudder", t_R=0.0, a_H=0.0), N
+    yield "as it is, but no surrogate", lambda: load_ship("kcs_model", surrogate="none"), N
 
 
 def variations() -> Iterator[tuple[str, Callable[[], Ship], float]]:
@@ -119,22 +152,24 @@ def variations() -> Iterator[tuple[str, Callable[[], Ship], float]]:
         yield f"X_vr = {X:g} (published -0.0424)", lambda X=X: changed("hull", X_vr=X), N
     yield "X_rr = 0 (published -0.0139)", lambda: changed("hull", X_rr=0.0), N
     yield "R_0 halved", lambda: changed("hull", R_0=0.5 * SHIP.hull.R_0), N
-    yield "thrust x 1.11", lambda: multiplied(thrust=1.11), N
-    for factor in (0.9, 1.1):
+    yield "thrust x 1.05", lambda: multiplied(thrust=1.05), N
+    for factor in (0.9, 1.1, 1.2):
         yield f"rudder normal force x {factor:g}", lambda f=factor: multiplied(normal=f), N
-    yield (
-        "t_P = 0, thrust x 1.11, normal force x 1.1",
-        lambda: multiplied(1.11, 1.1, changed("propeller", t_P=0.0)),
-        N,
-    )
-    yield "X_R x (1 - 0.258), t_R of set B", lambda: changed("rudder", t_R=0.258), N
+    yield "normal force x 1.2, thrust x 1.05", lambda: multiplied(1.05, 1.2), N
     for name in ("hull_a", "hull_c"):
         yield f"hull set {name[-1].upper()}", lambda v=name: load_ship("kcs_model", variant=v), N
-    for name in ("G2_SST", "G3_SA", "none"):
+    for name in ("G2_SST", "G3_SA", "gp", "none"):
         yield f"surrogate {name}", lambda s=name: load_ship("kcs_model", surrogate=s), N
 
 
-HEADER = ["", "U/U0", "diameter [L]", "thrust [N]", "u/(n D)", "tactical d. [L]", "F_N [N]"]
+HEADER = [
+    "", "U/U0", "diameter [L]", "thrust [N]", "u/(n D)", "tactical d. [L]", "max advance [L]",
+    "max transfer [L]", "F_N [N]", "5/6 F_N [N]",
+]  # fmt: skip
+MEASURED_ROWS = {  # F_N was measured on the movable part, 5/6 of the area
+    1: ["measured, starboard", "0.477", "2.60", "5.14", "", "3.2", "3.10", "3.22", "", "2.92"],
+    -1: ["measured, port", "0.444", "2.4", "", "", "2.9", "", "", "", "2.59"],
+}
 
 
 def row(label: str, c: TurningCircle) -> list[str]:
@@ -144,24 +179,22 @@ def row(label: str, c: TurningCircle) -> list[str]:
         label,
         f"{c.steady_speed_ratio:.3f}",
         *(f"{x:.{d}f}" for x, d in zip(values, (2, 2, 3, 2), strict=True)),
+        f"{c.max_advance:.2f}",
+        f"{c.max_transfer:.2f}",
         f"{c.rudder_normal_force:.2f}",
+        f"{c.rudder_normal_force * 5.0 / 6.0:.2f}",
     ]
 
 
-def sensitivity_table() -> str:
-    """Starboard turn under one change at a time."""
-    trial = ["measured, starboard", "0.477", "2.60", "5.14", "", "3.2", "2.92 (movable part)"]
-    rows = [row(label, circle(make(), 1, n)) for label, make, n in variations()]
-    return markdown(HEADER, [trial, *rows])
+def circles(cases: Iterable[tuple[str, Callable[[], Ship], float]], side: int) -> str:
+    """Table of turning circles to one side."""
+    rows = [row(label, circle(make(), side, n)) for label, make, n in cases]
+    return markdown(HEADER, [MEASURED_ROWS[side], *rows])
 
 
 def port_table() -> str:
     """Port turn under the published ratios of flow straightening gamma_R,n / gamma_R,p."""
-    rows = [
-        ["measured, starboard", "0.477", "2.60", "5.14", "", "3.2", "2.92 (movable part)"],
-        ["measured, port", "0.444", "2.4", "", "", "2.9", "2.59 (movable part)"],
-        row("model, starboard", circle(SHIP)),
-    ]
+    rows = [*MEASURED_ROWS.values(), row("model, starboard", circle(SHIP))]
     ratios = {"set B, default": 0.338 / 0.492, "IIHR": 0.45 / 0.55, "none": 1.0, "HU": 0.35 / 0.20}
     for name, ratio in ratios.items():
         ship = changed("rudder", gamma_R_n=ratio * SHIP.rudder.gamma_R_p)
@@ -169,10 +202,39 @@ def port_table() -> str:
     return markdown(HEADER, rows)
 
 
+# Stern et al. (2021), Fn 0.26, mean of six facilities; standard deviation of the mean in brackets
+FASTER = {
+    1: ["mean, starboard", "2.9 (0.09)", "2.9 (0.17)", "1.24 (0.05)", "0.465"],
+    -1: ["mean, port", "2.9 (0.09)", "2.6 (0.15)", "1.17 (0.02)", "0.447"],
+}
+
+
+def faster_table() -> str:
+    """Both turns at Fn 0.26, self-propulsion, before and after, beside the facilities."""
+    U = 0.26 * math.sqrt(9.80665 * SHIP.hull.L)
+    ships = {
+        "0": without_captive_set(),
+        "as it is": SHIP,
+        "no surrogate": load_ship("kcs_model", surrogate="none"),
+    }
+    rows = []
+    for side, measured in FASTER.items():
+        rows.append(measured)
+        for label, ship in ships.items():
+            c = turning_circle(ship, side * DELTA, U)
+            values = (c.advance, c.tactical_diameter, 0.5 * c.steady_diameter)
+            numbers = [f"{x:.2f}" for x in values]
+            rows.append([label, *numbers, f"{c.steady_speed_ratio:.3f}"])
+    return markdown(["", "advance [L]", "tactical d. [L]", "radius [L]", "U/U0"], rows)
+
+
 if __name__ == "__main__":
     for title, make in (
         ("Balance", balance_table),
-        ("Sensitivity", sensitivity_table),
+        ("Remedies, starboard", lambda: circles(remedies(), 1)),
+        ("Remedies, port", lambda: circles(remedies(), -1)),
+        ("Sensitivity", lambda: circles(variations(), 1)),
         ("Port against starboard", port_table),
+        ("Fn 0.26", faster_table),
     ):
         print(f"\n{title}\n\n{make()}")

@@ -46,6 +46,7 @@ UNITS: dict[str, tuple[float, str]] = {
     "m2/s": (1.0, "m2/s"),
     "N": (1.0, "N"),
     "N m": (1.0, "N m"),
+    "kg m2": (1.0, "kg m2"),
 }
 
 

@@ -6,7 +6,7 @@ at the waterline. All angles in rad, clockwise seen from above:
 - ``psi`` heading, 0 = north, pi/2 = east; ``r > 0`` moves the bow to starboard;
 - ``delta > 0`` turns the ship to starboard;
 - ``beta = atan2(-v, u)`` drift angle, positive in a steady turn to starboard;
-- ``n`` propeller speed [rev/s], never negative in this version;
+- ``n`` propeller speed [rev/s], negative astern;
 - directions say what they mean: ``*_direction_from`` and ``*_direction_to``, from north;
 - relative wave heading ``mu = psi - wave_direction_to``: pi = head sea, 0 = following sea,
   pi/2 = waves from the starboard beam.

@@ -1,4 +1,7 @@
-"""Standard manoeuvres and their measures: turning circle and zig-zag, with the IMO limits."""
+"""Standard manoeuvres and their measures: turning circle and zig-zag, with the IMO limits.
+
+Those with the engine are in ``stopping``, those of course stability in ``stability``.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +16,11 @@ from ship_gym.conventions import PSI
 from ship_gym.provenance import provenance
 from ship_gym.recording.about import ship_meta
 from ship_gym.recording.trajectory import Trajectory
-from ship_gym.sea.state import CALM, Sea
+from ship_gym.sea.state import CALM, Sea, regular_sea
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship
-from ship_gym.ships.particulars import Ship, Trial
+from ship_gym.ships.particulars import Ship
+from ship_gym.ships.trials import Trial
 from ship_gym.simulation import ShipSim, history_columns, self_propulsion, through_water
 
 _SAMPLE = 1.0 / 400.0  # output step in L / U0: 0.08 s for KCS at 14.5 kn
@@ -131,10 +135,10 @@ def turning_circle(
         Rudder beyond the gear's limit or in degrees, or a ship that does not turn.
     """
     ship = load_ship(ship)
-    U0, n = _approach(ship, delta, speed, n)
+    U0, n = approach(ship, delta, speed, n)
     if delta == 0.0:
         raise ConfigError("delta = 0: a turning circle needs a rudder angle")
-    run = _Run(ship, U0, n, sea)
+    run = Run(ship, U0, n, sea)
     limit = _TURNS * 2.0 * math.pi
     run.until(lambda sim, t: abs(sim.state[0, PSI]) >= limit, delta, 120.0 * ship.hull.L / U0)
     turned, time = run.sim.state[0, PSI], run.sim.time[0]
@@ -213,11 +217,11 @@ def zigzag(
         not reached.
     """
     ship = load_ship(ship)
-    U0, n = _approach(ship, delta, speed, n)
+    U0, n = approach(ship, delta, speed, n)
     check_angle("psi", psi, math.pi / 2)
     if delta * psi <= 0.0:
         raise ConfigError(f"delta = {delta:.4g}, psi = {psi:.4g} rad: must have one sign, not zero")
-    run = _Run(ship, U0, n, sea)
+    run = Run(ship, U0, n, sea)
     side = math.copysign(1.0, delta)
     reversals, found = [], []
     target = abs(psi)
@@ -246,7 +250,7 @@ def zigzag(
     )
 
 
-def _approach(ship: Ship, delta: float, speed: float | None, n: float | None):
+def approach(ship: Ship, delta: float, speed: float | None, n: float | None):
     """Checked approach speed [m/s] and propeller speed [rev/s]."""
     check_angle("delta", delta, ship.gear.delta_max)
     U0 = check_number("speed", ship.speed if speed is None else speed, 1e-6, 100.0, "m/s")
@@ -254,14 +258,39 @@ def _approach(ship: Ship, delta: float, speed: float | None, n: float | None):
     return U0, check_number("n", n, 0.0, ship.engine.n_max, "rev/s")
 
 
-class _Run:
-    """One ship sailing under changing rudder commands, every step kept."""
+class Run:
+    """One ship sailing under changing commands, every step kept.
 
-    def __init__(self, ship: Ship, U0: float, n: float, sea: Sea | None):
+    Parameters
+    ----------
+    ship : Ship
+    U0, n : float
+        Approach speed [m/s] and propeller speed [rev/s].
+    sea : Sea or None
+    sample : float
+        Output step [L / U0].
+    at_rest : bool
+        Start from rest with the propeller stopped.
+
+    Attributes
+    ----------
+    n : float
+        Ordered propeller speed [rev/s]; may be changed under way.
+    """
+
+    def __init__(
+        self,
+        ship: Ship,
+        U0: float,
+        n: float,
+        sea: Sea | None,
+        sample: float = _SAMPLE,
+        at_rest: bool = False,
+    ):
         self.ship, self.n, self.sea = ship, n, CALM if sea is None else sea
         self.sim = ShipSim(ship, 1, self.sea)
-        self.sim.reset(0, speed=U0, n=n)
-        self.dt = _SAMPLE * ship.hull.L / U0
+        self.sim.reset(0, speed=0.0 if at_rest else U0, n=0.0 if at_rest else n)
+        self.dt = sample * ship.hull.L / U0
         self._kept: list[tuple[np.ndarray, ...]] = []
 
     @property
@@ -305,16 +334,27 @@ class _Run:
 
 
 def run_trial(ship: Named | Ship, trial: Trial) -> TurningCircle | ZigZag:
-    """Sail a measured manoeuvre of a ship file."""
+    """Sail a measured manoeuvre of a ship file, in its waves."""
     ship = load_ship(ship)
-    delta = math.radians(trial.delta_deg)
+    delta, sea = math.radians(trial.delta_deg), trial_sea(ship, trial)
     if trial.manoeuvre == "turning_circle":
-        return turning_circle(ship, delta, trial.speed, trial.n)
+        return turning_circle(ship, delta, trial.speed, trial.n, sea)
     if trial.manoeuvre == "zigzag":
-        return zigzag(ship, delta, math.radians(trial.psi_deg), trial.speed, trial.n)
+        return zigzag(ship, delta, math.radians(trial.psi_deg), trial.speed, trial.n, sea)
     raise ConfigError(
         f"trial of {ship.name}: unknown manoeuvre {trial.manoeuvre!r}; "
         "known: turning_circle, zigzag"
+    )
+
+
+def trial_sea(ship: Ship, trial: Trial) -> Sea:
+    """The sea of a trial, for an approach to the north."""
+    if not trial.waves:
+        return CALM
+    return regular_sea(
+        0.5 * trial.wave_height,
+        wavelength=trial.wavelength * ship.hull.L,
+        direction_from=math.radians(trial.wave_from_deg),
     )
 
 
@@ -324,7 +364,8 @@ def imo_limits(ship: Named | Ship, speed: float) -> dict[str, float]:
     Returns
     -------
     dict
-        advance and tactical_diameter [L], first and second 10/10 overshoot and first 20/20
+        advance, tactical_diameter and the track reach of a stop from full ahead [L] (up to 20 for
+        large ships, by the Administration), first and second 10/10 overshoot and first 20/20
         overshoot [rad]; L/V in full-scale seconds.
     """
     ship = load_ship(ship)
@@ -334,6 +375,7 @@ def imo_limits(ship: Named | Ship, speed: float) -> dict[str, float]:
     return {
         "advance": 4.5,
         "tactical_diameter": 5.0,
+        "track_reach": 15.0,
         "initial_turning": 2.5,
         "overshoot_10_10_first": math.radians(first),
         "overshoot_10_10_second": math.radians(second),

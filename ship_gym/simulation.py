@@ -128,7 +128,7 @@ class ShipSim:
         speed : float or array, optional
             Speed through the water [m/s]; the ship's nominal speed if omitted.
         n : float or array, optional
-            Propeller speed [rev/s]; self-propulsion at `speed` if omitted.
+            Propeller speed [rev/s], negative astern; self-propulsion at `speed` if omitted.
         psi : float or array
             Heading [rad].
 
@@ -142,7 +142,8 @@ class ShipSim:
         for value in () if speed is None else np.ravel(speed).tolist():
             check_number("speed", value, -100.0, 100.0, "m/s")
         for value in () if n is None else np.ravel(n).tolist():
-            check_number("n", value, 0.0, max(s.engine.n_max for s in self.ships), "rev/s")
+            low = -max(s.engine.n_astern for s in self.ships)
+            check_number("n", value, low, max(s.engine.n_max for s in self.ships), "rev/s")
         speeds = np.array([s.speed for s in self.ships]) if speed is None else speed
         self.state[:] = 0.0
         self.state[:, PSI] = psi

@@ -26,7 +26,7 @@ def symmetric(ship):
     """The same ship without difference between turns to starboard and to port."""
     if ship.propellers == 2:  # its two sides are each other's mirror image already
         return ship
-    rudder = dataclasses.replace(ship.rudder, gamma_R_n=ship.rudder.gamma_R_p)
+    rudder = dataclasses.replace(ship.rudder, gamma_R_n=ship.rudder.gamma_R_p, neutral=0.0)
     propeller = dataclasses.replace(ship.propeller, wake_C2_n=ship.propeller.wake_C2_p)
     return dataclasses.replace(ship, rudder=rudder, propeller=propeller)
 

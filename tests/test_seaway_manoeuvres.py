@@ -12,16 +12,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from reproduce.white import CIRCLES as WHITE
 from ship_gym.config import ConfigError
-from ship_gym.manoeuvres import turning_circle
+from ship_gym.manoeuvres import run_trial, turning_circle
 from ship_gym.reports import manoeuvre as report
-from ship_gym.reports.case import sail, sea_of
+from ship_gym.reports import measures
+from ship_gym.reports.case import sail, sail_trial, sea_of
 from ship_gym.sea.state import CALM, load_sea
 from ship_gym.ships.loader import load_ship
 
 SCRIPTS = Path(__file__).parents[1] / "scripts"
-# White (2020): approach speed [m/s], propeller speed [rev/s], wave height [m]; lambda = L
-WHITE = {"kcs_model": (0.860, 13.2, 0.048), "dtc_model": (1.48, 15.7, 0.112)}
 CIRCLES = [("kcs_model", 1), ("dtc_model", 1), ("dtc_model", -1)]
 
 
@@ -94,6 +94,36 @@ def test_sway_force_and_yaw_moment_of_the_waves_are_below_those_of_the_rudder(ci
         assert np.abs(t["N_wave"]).max() < 0.5 * np.abs(t["N_rudder"]).max()
 
 
+def test_trial_in_waves_is_found_and_set_beside(circles):
+    """KCS at 13.2 rev/s, Knight (2021) Tables 4.5 to 4.7, is White's turn too."""
+    kcs = circles["kcs_model", 1]
+    assert kcs.trial is kcs.ship.trials[-1]
+    rows = {row.name: row for row in measures.rows(kcs)}
+    assert rows["steady_thrust"].measured == 8.461
+    assert rows["steady_torque"].measured == 0.143
+    assert rows["movable_rudder_force"].measured == 4.441
+    text = report.as_text(kcs)
+    for words in ("in waves", "calm water", "measured", "8 point G2"):
+        assert words in text
+    assert circles["dtc_model", 1].trial is None
+    assert circle("kcs_model", wave_height=0.060).trial is None
+    assert circle("kcs_model", wave_from_deg=20.0).trial is None
+
+
+def test_onrt_turn_in_waves_beside_knights():
+    """Table 6.2: direction -93.3 deg with y to port is 93.3 deg on our compass."""
+    ship = load_ship("onrt_model")
+    case = sail_trial(ship, ship.trials[0])
+    rows = {row.name: row for row in measures.rows(case)}
+    assert rows["drift_direction"].measured == 93.3
+    assert rows["drift_distance"].others["CFD, G1/2 SST"] == 0.287
+    ours = math.degrees(case.result.drift_direction) - 93.3
+    assert math.cos(math.radians(rows["drift_direction"].difference - ours)) == pytest.approx(1.0)
+    same = run_trial(ship, ship.trials[0])
+    assert same.drift_distance == case.result.drift_distance
+    assert same.tactical_diameter == pytest.approx(3.00, rel=0.05)
+
+
 def test_two_time_scales(circles):
     """The integrated heading rate has no part at the encounter frequency; the seen one has."""
     t = circles["dtc_model", 1].result.trajectory
@@ -115,13 +145,14 @@ def test_wave_share_needs_a_turn_in_waves(circles):
 
 def test_report_puts_calm_water_beside(circles):
     case = circles["kcs_model", 1]
-    rows = {row.name: row for row in report.rows(case)}
+    rows = {row.name: row for row in measures.rows(case)}
     assert rows["advance"].calm == case.calm.advance
     assert rows["drift_direction"].computed == pytest.approx(
         math.degrees(case.result.drift_direction)
     )
     text = report.as_text(case)
-    for words in ("in waves", "calm water", "drift from 180 to 540 deg", "44% of the resistance"):
+    share = f"{report.wave_share(case)['first']:.0%} of the resistance at first"
+    for words in ("in waves", "calm water", "drift from 180 to 540 deg", share):
         assert words in text
     data = report.as_dict(case)
     assert data["sea"] == "regular waves 0.048 m high and 1 L long from 0 deg"

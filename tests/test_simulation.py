@@ -7,6 +7,7 @@ from ship_gym.config import ConfigError
 from ship_gym.sea import CALM, Sea, available_seas, load_sea
 from ship_gym.ships import load_ship
 from ship_gym.simulation import ShipSim, SimulationDiverged, self_propulsion, straight_forces
+from tests.conftest import symmetric
 
 
 def test_self_propulsion_balances_surge(ship):
@@ -27,7 +28,8 @@ def test_speed_beyond_the_engine(kcs_model):
 
 
 def test_a_straight_course_stays_straight(ship):
-    sim = ShipSim(ship, 1)
+    """With the rudder amidships, but for the bias of a single screw."""
+    sim = ShipSim(symmetric(ship), 1)
     sim.reset(0)
     for _ in range(50):
         sim.step([[0.0, sim.state[0, 7]]], 1.0 / ship.time_unit)
@@ -108,7 +110,7 @@ def test_bad_input(kcs_model):
         (lambda sim: sim.step([[0.1, 10.0]] * 2, -1.0), "dt = -1.0"),
         (lambda sim: sim.step([[0.1, 10.0]] * 2, [0.1, 0.0]), "dt = [0.1, 0.0]"),
         (lambda sim: sim.reset(speed=np.nan), "speed = nan"),
-        (lambda sim: sim.reset(n=-5.0), "n = -5"),
+        (lambda sim: sim.reset(n=-50.0), "n = -50"),
     ],
 )
 def test_bad_input_is_refused_before_any_work(kcs_model, call, word):

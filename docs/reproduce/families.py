@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any
 
@@ -12,8 +13,16 @@ from ship_gym.text import paragraph, percent, table
 
 FAMILIES = {"regression": "G2_SA", "process": "gp", "network": "nn"}
 TURNING = ("max_advance", "max_transfer", "steady_diameter", "steady_speed_ratio", "steady_thrust")
-# Knight (2021) Table 3.12: free-surface CFD with the eight-point regression on G2, n 10.2 rev/s
+# Knight (2021) Tables 4.2 and 4.3: free-surface CFD with the eight-point regression on G2, n 10.2
 THESIS_CFD = {"max_advance": 3.07, "max_transfer": 3.13, "steady_diameter": 2.70}
+# Knight (2021) Table 4.3: case, our surrogate, n [rev/s], and THESIS_CFD's three measures
+TABLE_4_3 = (
+    ("G2", "G2_SA", 10.2, (3.07, 3.13, 2.70)),
+    ("G2 k-omega SST", "G2_SST", 10.2, (3.21, 3.35, 2.93)),
+    ("G2, n = 10.6", "G2_SA", 10.6, (3.05, 3.12, 2.70)),
+    ("G2, n = 10.8", "G2_SA", 10.8, (3.03, 3.11, 2.70)),
+    ("G3", "G3_SA", 10.2, (2.93, 3.00, 2.60)),
+)
 FROUDE_NUMBERS = (0.157, 0.26)
 ZIGZAGS_DEG = (10.0, -10.0, 20.0, -20.0)
 # First and second overshoot [deg] by hull sets A and B with the MMG rudder, as collected in the
@@ -48,6 +57,32 @@ def turning(ship: str = "kcs_model") -> dict[str, Any]:
     return {"trial": measured, "cfd": THESIS_CFD, "families": found}
 
 
+def table_4_3(ship: str = "kcs_model") -> list[dict[str, Any]]:
+    """Turning circles of Table 4.3: surrogates, and faster propellers, beside the thesis' CFD.
+
+    Returns
+    -------
+    list of dict
+        ``case``, ``n`` [rev/s], ``ours`` and ``printed`` by measure (lengths in L) and our
+        ``speed_ratio``, of which the thesis only draws the counterpart.
+    """
+    found = []
+    for case, surrogate, n, printed in TABLE_4_3:
+        loaded = load_ship(ship, surrogate=surrogate)
+        trial = dataclasses.replace(loaded.trials[0], n=n)
+        measures = sail_trial(loaded, trial).result.measures()
+        found.append(
+            {
+                "case": case,
+                "n": n,
+                "ours": {k: measures[k] for k in THESIS_CFD},
+                "printed": dict(zip(THESIS_CFD, printed, strict=True)),
+                "speed_ratio": measures["steady_speed_ratio"],
+            }
+        )
+    return found
+
+
 def overshoots(ship: Ship, angle_deg: float, froude: float) -> list[float]:
     """First and second overshoot [deg] of a zig-zag with that rudder and heading."""
     speed = froude * math.sqrt(9.80665 * ship.hull.L)
@@ -74,12 +109,13 @@ def zigzags(ship: str = "kcs_model") -> list[dict[str, Any]]:
 
 def as_dict() -> dict[str, Any]:
     """Turning circles and zig-zags as plain data, for ``--json``."""
-    return {"turning": turning(), "zigzag": zigzags()}
+    return {"turning": turning(), "table_4_3": table_4_3(), "zigzag": zigzags()}
 
 
 def as_text(data: dict[str, Any]) -> str:
     """Turning circles and zig-zags for people, from `as_dict`."""
-    return f"{_turning_text(data['turning'])}\n\n{_zigzag_text(data['zigzag'])}"
+    parts = _turning_text(data["turning"]), _table_4_3_text(data["table_4_3"])
+    return "\n\n".join([*parts, _zigzag_text(data["zigzag"])])
 
 
 def _turning_text(data: dict[str, Any]) -> str:
@@ -103,6 +139,25 @@ def _turning_text(data: dict[str, Any]) -> str:
                 "with the regression. Percent: of the trial. All three families are fitted to the "
                 "same eight points (grid G2, Spalart-Allmaras)."
             ),
+        ]
+    )
+
+
+def _table_4_3_text(rows: list[dict[str, Any]]) -> str:
+    cells = []
+    for row in rows:
+        line = [row["case"]]
+        for name, printed in row["printed"].items():
+            ours = row["ours"][name]
+            line += [f"{ours:.2f}", f"{printed:.2f}", percent(100.0 * (ours / printed - 1.0))]
+        cells.append([*line, f"{row['speed_ratio']:.3f}"])
+    header = ["case"]
+    for name in ("advance", "transfer", "diameter"):
+        header += [name, "CFD", ""]
+    return "\n".join(
+        [
+            "kcs_model, the same turn beside the CFD of Knight (2021) Table 4.3, lengths in L",
+            table([*header, "U/U0"], cells),
         ]
     )
 

@@ -1,7 +1,8 @@
 """Rudder normal force of KCS in steady 35 deg turns: Beaufoy and MMG beside Stern et al. (2021).
 
-The source prints the forces by both formulas for three facilities, but not all that goes in. Here
-they are computed again from what it prints; the rest is ours, and named.
+The source prints the forces by both formulas for three facilities, but not all that goes in: no
+rudder coefficient but l_R and gamma_R, and a drift angle of one turn only. Here they are computed
+again from what it prints; the rest is ours, and named.
 """
 
 from __future__ import annotations
@@ -26,6 +27,10 @@ PRINTED = Path(__file__).parent / "data" / "stern_2021_rudder.csv"
 ANGLE = math.radians(35.0)
 _SETTLED = 80  # approach times L / U0 after which the turn is steady
 A_MOVABLE, OF_LENGTH = 0.0080, 3.057  # [m2] at [m], Knight (2021); F_N is measured on it
+J_APPROACH = 0.8  # U0/(nD) at self-propulsion of the models, "about" (text beside Fig. 17)
+# printed with Fig. 3 for IIHR at Fn 0.26: about 10 deg at FP, 40 at AP; the radius makes the one at
+# FP negative, so that midship has
+DRIFT_DEG = {("IIHR", 0.26): 0.5 * (40.0 - 10.0)}
 
 
 def facility_ship(row: dict[str, Any], base: Ship) -> Ship:
@@ -102,7 +107,8 @@ def as_dict() -> dict[str, Any]:
     dict
         ``source`` and ``rows``; each row has what is printed (``printed``), ``beaufoy`` and
         ``mmg`` (``computed`` [N], ``difference_percent`` from the printed force) and ``inputs``
-        (drift, n, J, U/U0 are ours; yaw_rate is of the printed radius).
+        (drift, n, J, U/U0 are ours, beside them n of the printed J of the approach and the drift
+        where it is printed; yaw_rate is of the printed radius).
     """
     base = load_ship("kcs_model", surrogate="none")
     printed = read_csv(PRINTED)
@@ -111,7 +117,7 @@ def as_dict() -> dict[str, Any]:
 
 
 def _rows(printed: CsvTable) -> list[dict[str, Any]]:
-    """Rows of the file; text columns of numbers become floats, or None where not printed."""
+    """Rows of the file; text columns of numbers become floats, or None where the file has none."""
     numbers = ("J_B", "F_N measured", "F_N Beaufoy", "F_N MMG")
     rows = []
     for i in range(len(printed.rows)):
@@ -132,6 +138,8 @@ def _compared(row: dict[str, Any], base: Ship) -> dict[str, Any]:
     mmg: dict[str, Any] = {"computed": law, "difference_percent": _difference(law, row["F_N MMG"])}
     inputs = {"beta_deg": math.degrees(beta), "yaw_rate": turn["yaw_rate"], "n": n, "J": J}
     inputs["U/U0"] = speed / row["U0"]
+    inputs["n_of_J_approach"] = row["U0"] / (J_APPROACH * ship.propeller.D)
+    inputs["beta_printed_deg"] = DRIFT_DEG.get((row["facility"], row["Fn"]))
     if row["J_B"] is not None:
         inputs["n_of_J_B"] = row["U"] / (row["J_B"] * ship.propeller.D)
         mmg["at_printed_J_B"] = normal_force(ship, row, turn, inputs["n_of_J_B"])[0]
@@ -148,7 +156,7 @@ def _compared(row: dict[str, Any], base: Ship) -> dict[str, Any]:
 
 
 def _difference(force: float | None, reference: float | None) -> float | None:
-    """100 (force - reference) / reference [%]; None where one is not printed."""
+    """100 (force - reference) / reference [%]; None where the file has none."""
     return None if force is None or reference is None else 100.0 * (force / reference - 1.0)
 
 
@@ -167,7 +175,7 @@ def as_text(data: dict[str, Any]) -> str:
             "",
             "what the MMG law was given [deg], [rev/s], and J_B",
             _inputs(rows),
-            *(paragraph(text) for text in (_OURS, _J_B)),
+            *(paragraph(text) for text in (_ours(rows), _J_B)),
             paragraph(f"source: {data['source']}"),
         ]
     )
@@ -182,16 +190,29 @@ _MMG = (
     "MMG: effective-inflow law of Yasukawa & Yoshimura (2015), rudder of hull set B, 5/6 of it for "
     "the movable part. Printed: U, l_R, gamma_R, and r' = L/R of the facilities' mean circle."
 )
-_OURS = (
-    "Ours, not printed: drift beta of our steady turn with hull set B and the facility's l_R and "
-    "gamma_R, propeller speed n held at self-propulsion. With HU's l_R and gamma_R that hull turns "
-    "tighter than the model did and loses more speed (U/U0 of our turn beside the printed one)."
-)
 _J_B = (
     "n of J_B = U/(J_B D) with the printed J_B. For HU it is within 3 % of self-propulsion. For "
     "IIHR it is 16 to 23 % above, and the force then far above the printed one: the J_B printed "
     "for IIHR does not belong to the U printed for it; the printed MMG forces go with constant n."
 )
+
+
+def _ours(rows: list[dict[str, Any]]) -> str:
+    """What of the inputs is ours, and what of it is printed all the same."""
+    gaps = [abs(r["inputs"]["n"] / r["inputs"]["n_of_J_approach"] - 1.0) for r in rows]
+    known = [r for r in rows if r["inputs"]["beta_printed_deg"] is not None]
+    drifts = "; ".join(
+        f"{_name(r)}: {r['inputs']['beta_printed_deg']:.0f} deg, ours "
+        f"{abs(r['inputs']['beta_deg']):.1f}"
+        for r in known
+    )
+    return (
+        "Ours: drift beta of our steady turn with hull set B and the facility's l_R and gamma_R. "
+        f"Printed along the hull, at midship for {drifts}. Propeller speed n held at "
+        f"self-propulsion: within {max(gaps):.1%} of what the printed J of about {J_APPROACH} "
+        "there gives. With HU's l_R and gamma_R that hull turns tighter than the model did and "
+        "loses more speed (U/U0 of our turn beside the printed one)."
+    )
 
 
 def _name(row: dict[str, Any]) -> str:

@@ -17,7 +17,7 @@ _ACTIONS = """\
 | Num | Action | Control | Meaning |
 | --- | --- | --- | --- |
 | 0 | rudder command | -1 to 1 | times delta_max (35 deg); positive turns to starboard |
-| 1 | propeller speed command | -1 to 1 | from 0 to n_max; without it: self-propulsion |
+| 1 | propeller speed command | -1 to 1 | -`astern` n_max to n_max; if absent: self-propulsion |
 
 Values outside are limited; NaN or a wrong shape is an error. `ship_gym.DiscreteRudder` makes
 the action a choice of rudder angles. The command passes a rate-limited steering gear and an

@@ -20,6 +20,7 @@ from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import numbered
 from ship_gym.tasks import observations_of
+from ship_gym.tasks.bridge import ASTERN_ROWS
 from ship_gym.tasks.columns import ACTIONS
 
 _ALL = np.array([0])
@@ -95,6 +96,7 @@ def observation_space(scenario: Scenario) -> gym.spaces.Box:
     """Box of float32 with the documented bounds."""
     rows = observations_of(scenario.task, scenario.privileged)
     low = np.array([row.low for row in rows], dtype=np.float32)
+    low[[row.name in ASTERN_ROWS for row in rows]] = -scenario.astern
     high = np.array([row.high for row in rows], dtype=np.float32)
     return gym.spaces.Box(low, high, dtype=np.float32)
 

@@ -165,7 +165,7 @@ class EpisodeBatch:
         tasks["L"] = [one.hull.L for one in self.ships]
         tasks["n_order"] = self.sim.self_propulsion(tasks["speed"])
         tasks["interval"], tasks["steps"] = scenario.control_interval, scenario.steps
-        tasks["dt"] = self.dt
+        tasks["dt"], tasks["astern"] = self.dt, scenario.astern
         tasks["rudder_stroke"] = [one.gear.rate for one in self.ships] * self.dt
         for name in self.reward_terms:
             tasks[name] = getattr(scenario.reward, name)

@@ -63,7 +63,8 @@ class ConstantController:
         self._action[:, columns["rudder"]] = self.rudder
         if "rpm" in columns:
             n = self_propulsion(ship, ship.speed) / ship.engine.n_max
-            self._action[:, columns["rpm"]] = 2.0 * n - 1.0
+            astern = scenario.astern
+            self._action[:, columns["rpm"]] = 2.0 * (n + astern) / (1.0 + astern) - 1.0
 
     def act(self, observations: np.ndarray) -> np.ndarray:
         """Return the constant action for every episode."""

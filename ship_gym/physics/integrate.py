@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ship_gym.physics._kernel import kernel
-from ship_gym.physics.actuators import engine_after, governed_command, rudder_after
+from ship_gym.physics.actuators import engine_after, rudder_after
 from ship_gym.physics.dynamics import accelerations, flow_of, own_forces, total, water_velocity
 from ship_gym.physics.quantities import Body, Controls, Motion, State
 
@@ -76,13 +76,14 @@ def runge_kutta_4(state, command, load, dt, ship, sea, tables):
     start = Controls(delta, n)
     k1, own, units = derivative(body, start, load, ship, sea, tables)
     flow = flow_of(through_water(body, sea), start, units, ship)
-    target = governed_command(n, command.n, flow.torque, ship.engine)
+    torque = 0.5 * flow.torque if ship.propeller.y_P > 0.0 else flow.torque  # of each shaft
     h, gear, engine = 0.5 * dt, ship.gear, ship.engine
     middle = Controls(
-        rudder_after(delta, command.delta, h, gear), engine_after(n, target, h, engine)
+        rudder_after(delta, command.delta, h, gear), engine_after(n, command.n, torque, h, engine)
     )
     end = Controls(
-        rudder_after(delta, command.delta, dt, gear), engine_after(n, target, dt, engine)
+        rudder_after(delta, command.delta, dt, gear),
+        engine_after(n, command.n, torque, dt, engine),
     )
     k2, _, _ = derivative(advanced(body, k1, h), middle, load, ship, sea, tables)
     k3, _, _ = derivative(advanced(body, k2, h), middle, load, ship, sea, tables)

@@ -2,7 +2,14 @@
 
 The surrogate of Knight (2021), PhD thesis, University of Michigan, section 3.2, knows one rudder
 angle (35 deg). Straight ahead the propeller is its open-water curve in the wake; between, the two
-are blended with the square of the rudder angle (our choice, physics of neither source).
+are blended with the square of the rudder angle (our choice, physics of neither source). Where that
+curve is measured, the surrogate has been shifted to it (``records.anchored``), so the blend alone
+takes no thrust away.
+
+Open water holds for all four quadrants, the surrogate ahead only (its table ends at J > 0).
+Assumed, measured for none of these ships: going astern the propeller meets undisturbed water (no
+wake), braking (n < 0 < u) or idling it meets the wake of the ship ahead; the thrust deduction is
+t_P throughout; a reversed propeller has no side force of its own (the paddle-wheel effect).
 """
 
 from __future__ import annotations
@@ -17,6 +24,7 @@ from ship_gym.physics.quantities import Force
 # Channels of ``Ship.surrogate`` (coefficients over the advance angle) and of ``Ship.open_water``;
 # the standard deviation of channel k < TRUST is channel STD + k.
 C_T, C_Q, C_S, C_N, C_A, TRUST, STD = range(7)
+SWAY_LIMIT = 0.3  # (v_P / U)^2 of a 35 deg turn of the S-175, the range of its wake law
 J_LIMIT = 10.0  # reported advance ratio of a stopped propeller instead of infinity
 
 
@@ -37,17 +45,31 @@ class Race(NamedTuple):
 
 @kernel
 def wake(inflow, r, propeller):
-    """Effective velocity ratio 1 - w_P while manoeuvring.
+    """Effective velocity ratio 1 - w_P while manoeuvring; `inflow` is an `Inflow`.
 
-    YY15 if ``wake_C1 > 0``; otherwise ``w_P = w_P0 exp(-wake_beta2 beta_P^2)`` (Yoshimura et al.
-    2013). beta_P = beta - x'_P r' (YY15); `inflow` is an `Inflow`.
+    Four laws, by the ship file:
+
+    - ``wake_l_P < 0``: ``w_P0 [1 - (1 - cos^2 beta_P) (1 - |beta_P|)]`` with its own lever of the
+      yaw rate (KCS hull set B); beyond 1 rad of beta_P, where it is back at w_P0, it stays there;
+    - ``wake_C1 > 0``: YY15;
+    - ``wake_tau > 0``: ``w_P0 - wake_tau (v_P / U)^2`` (Son & Nomoto 1982), the square up to 0.3;
+    - else ``w_P0 exp(-wake_beta2 beta_P^2)`` (Yoshimura et al. 2013).
+
+    beta_P = beta - x'_P r' (YY15); v_P is the sway velocity at x_P.
     """
     U, beta = inflow
+    if propeller.wake_l_P < 0.0:
+        beta_P = abs(beta - propeller.wake_l_P * r / U) if U > 0.0 else 0.0
+        sine = math.sin(beta_P)
+        return 1.0 - propeller.w_P0 * (1.0 - sine * sine * max(1.0 - beta_P, 0.0))
     beta_P = beta - propeller.x_P * r / U if U > 0.0 else 0.0
     if propeller.wake_C1 > 0.0:
         C2 = propeller.wake_C2_p if beta_P > 0.0 else propeller.wake_C2_n
         rise = (1.0 - math.exp(-propeller.wake_C1 * abs(beta_P))) * (C2 - 1.0)
         return (1.0 - propeller.w_P0) * (1.0 + rise)
+    if propeller.wake_tau > 0.0:
+        v_P = math.sin(beta) - beta + beta_P
+        return 1.0 - propeller.w_P0 + propeller.wake_tau * min(v_P * v_P, SWAY_LIMIT)
     return 1.0 - propeller.w_P0 * math.exp(-propeller.wake_beta2 * beta_P * beta_P)
 
 
@@ -61,7 +83,11 @@ def advance_pressure(u, n, propeller, rho):
 
 @kernel
 def advance_angle(u, n, D):
-    """Advance angle epsilon = atan2(u, 0.7 pi n D) [rad]; J = 0.7 pi tan(epsilon)."""
+    """Advance angle epsilon = atan2(u, 0.7 pi n D) [rad]; J = 0.7 pi tan(epsilon).
+
+    Ahead 0 to pi/2, braking (n < 0) pi/2 to pi, astern -pi to -pi/2, n ahead of a ship that makes
+    sternway -pi/2 to 0.
+    """
     return math.atan2(u, 0.7 * math.pi * n * D)
 
 
@@ -111,9 +137,11 @@ def outside_box(J, beta, box):
 
 @kernel
 def advance_ratio(u, n, D):
-    """J = u / (n D), limited to +-J_LIMIT."""
-    if abs(u) >= J_LIMIT * n * D:
-        return math.copysign(J_LIMIT, u) if u != 0.0 else 0.0
+    """J = u / (n D), limited to +-J_LIMIT; negative where ship and propeller go opposite ways."""
+    if abs(u) >= J_LIMIT * abs(n) * D:
+        if u == 0.0:
+            return 0.0
+        return math.copysign(J_LIMIT, u if n >= 0.0 else -u)
     return u / (n * D)
 
 
@@ -126,7 +154,7 @@ def propeller_forces(motion, controls, inflow, ship, tables):
     motion : Motion
         Through the water.
     controls : Controls
-        Propeller speed >= 0.
+        Propeller speed of either sign.
     inflow : Inflow
         Drift angle atan2(-v, abs(u)).
     ship : record
@@ -144,7 +172,7 @@ def propeller_forces(motion, controls, inflow, ship, tables):
     delta, n = controls
     p, axis, box = ship.propeller, ship.open_water, ship.surrogate
     u = u - p.y_P * r + 0.0  # never -0, whose drift angle would be 180 deg
-    ratio = wake(inflow, r, p)
+    ratio = wake(inflow, r, p) if u > 0.0 else 1.0
     u_A = ratio * u
     water = tables.open_water
     i, w = cell(advance_angle(u_A, n, p.D), axis.start, axis.step, water.shape[0])
@@ -169,5 +197,8 @@ def propeller_forces(motion, controls, inflow, ship, tables):
 
 @kernel
 def shaft_power(n, torque):
-    """Delivered power [W] = 2 pi n Q of rev/s and N m, numbers or arrays of one shape."""
+    """Delivered power [W] = 2 pi n Q of rev/s and N m, numbers or arrays of one shape.
+
+    Negative where the water drives the propeller.
+    """
     return 2.0 * math.pi * n * torque

@@ -1,6 +1,8 @@
 """Rudder forces: effective inflow at every angle, anchored to the CFD samples at the trained one.
 
-Law: Yasukawa & Yoshimura (2015) (YY15). Samples: Knight (2021), rudder at 35 deg.
+Law: Yasukawa & Yoshimura (2015) (YY15), with the constants of the ship's captive tests; of a ship
+without any, fitted to the samples (``loader.attach_surrogate``). Samples: Knight (2021), rudder at
+35 deg.
 """
 
 from __future__ import annotations
@@ -27,27 +29,59 @@ C_N_PLATE = 1.17  # flat plate across the flow, Hoerner (1965) Fluid-Dynamic Dra
 # Beaufoy's formula as Stern et al. (2021) print it: 58.8 kgf s2/m4, and the race of a single screw
 BEAUFOY = 58.8 * 9.80665  # kg/m3
 BEAUFOY_RACE = 1.15
+# Share of the far race's velocity that a reversed propeller draws past the rudder: the suction of
+# an actuator disc one radius before it, (1 - 1 / sqrt(2)) / 2, by the vortex cylinder. Estimated:
+# no test of these ships with a reversed propeller is at hand.
+KAPPA_ASTERN = 0.5 * (1.0 - math.sqrt(0.5))
 
 
 @kernel
-def race_speed_squared(u, thrust, D, rho):
-    """Axial speed squared [m2/s2] in the propeller race, u^2 + 8 T / (rho pi D^2), never negative.
+def race_square(u, thrust, D, rho):
+    """Axial speed squared [m2/s2] in the propeller race, u^2 + 8 T / (rho pi D^2), with its sign.
 
     Momentum theory; Knight (2021) Eq. 2.20 with the square root that its print lacks, in terms of T
     so that no division by J is needed.
     """
-    return max(u * abs(u) + 8.0 * thrust / (rho * math.pi * D * D), 0.0)
+    return u * abs(u) + 8.0 * thrust / (rho * math.pi * D * D)
+
+
+@kernel
+def race_speed_squared(u, thrust, D, rho):
+    """`race_square`, but zero where a braking propeller has stopped its race."""
+    return max(race_square(u, thrust, D, rho), 0.0)
+
+
+@kernel
+def race_inflow(u_A, thrust, k, D, rho):
+    """Axial velocity [m/s] in the propeller's stream at the rudder, positive towards the stern.
+
+    Thrust ahead: YY15, u_A + kappa (u_s - u_A). A propeller that brakes slows that race; once it
+    has stopped it, and going astern, it draws water past the rudder the other way, of which
+    `KAPPA_ASTERN` arrives there (estimated).
+    """
+    square = race_square(u_A, thrust, D, rho)
+    u_s = math.copysign(math.sqrt(abs(square)), square)
+    if thrust > 0.0 or square >= 0.0:
+        return u_A + k.kappa * (u_s - u_A)
+    if u_A > 0.0:
+        return u_A - k.kappa * u_A + KAPPA_ASTERN * u_s
+    return u_A + KAPPA_ASTERN * (u_s - u_A)
 
 
 @kernel
 def axial_inflow(u, race, ship):
-    """u_R [m/s] at the rudder, YY15; astern only the race counts (not validated there)."""
+    """u_R [m/s] at the rudder, YY15; negative where the flow comes from astern (estimated there).
+
+    u_R^2 = epsilon^2 (eta u_in^2 + (1 - eta) u_A^2), each square with the sign of its velocity.
+    """
     thrust, ratio, _ = race
     k = ship.rudder
-    u_A = max(ratio * u, 0.0)
-    u_s = math.sqrt(race_speed_squared(u_A, thrust, ship.propeller.D, ship.rho))
-    u_in = u_A + k.kappa * (u_s - u_A)
-    return k.epsilon * math.sqrt(k.eta * u_in * u_in + (1.0 - k.eta) * u_A * u_A)
+    u_A = ratio * u
+    u_in = race_inflow(u_A, thrust, k, ship.propeller.D, ship.rho)
+    if u_A >= 0.0 and u_in >= 0.0:
+        return k.epsilon * math.sqrt(k.eta * u_in * u_in + (1.0 - k.eta) * u_A * u_A)
+    square = k.eta * u_in * abs(u_in) + (1.0 - k.eta) * u_A * abs(u_A)
+    return k.epsilon * math.copysign(math.sqrt(abs(square)), square)
 
 
 @kernel
@@ -58,9 +92,42 @@ def lateral_inflow(inflow, r, rudder):
 
 
 @kernel
-def straightening(v_geometric, side, rudder):
-    """gamma_R for this side of the inflow; `side` = -1 mirrors the ship."""
-    return rudder.gamma_R_p if side * v_geometric > 0.0 else rudder.gamma_R_n
+def straightening(v_geometric, U, side, rudder):
+    """gamma_R at this inflow; `side` = -1 mirrors the ship.
+
+    Each side's own from ``gamma_R_over`` of inflow angle on; between, a cubic through their mean.
+    So a small motion to either side is answered alike (our choice: YY15 jumps at zero).
+    """
+    v = side * v_geometric
+    within = rudder.gamma_R_over * U
+    if v >= within:
+        return rudder.gamma_R_p
+    if v <= -within:
+        return rudder.gamma_R_n
+    t = v / within
+    mean = 0.5 * (rudder.gamma_R_p + rudder.gamma_R_n)
+    return mean + 0.25 * (rudder.gamma_R_p - rudder.gamma_R_n) * t * (3.0 - t * t)
+
+
+@kernel
+def cross_inflow(v_geometric, U, u_R, side, rudder):
+    """v_R [m/s] at the rudder: straightened, and the race's swirl that a neutral angle cancels."""
+    gamma_R = straightening(v_geometric, U, side, rudder)
+    return gamma_R * v_geometric + side * rudder.neutral * u_R
+
+
+@kernel
+def cubic_inflow(motion, U, ship):
+    """Further v_R [m/s] of Son & Nomoto (1982), cubic in r' and v'; r' up to 1, their turns' range.
+
+    They print v_R' = g_a v' + c_Rr r' + c_Rrrr r'^3 + c_Rrrv r'^2 v', of the other sign than v_R.
+    """
+    _, v, r = motion
+    k = ship.rudder
+    if U <= 0.0 or (k.v_rrr == 0.0 and k.v_rrv == 0.0):
+        return 0.0
+    r_ = max(min(r * ship.hull.L / U, 1.0), -1.0)
+    return -r_ * r_ * (k.v_rrr * r_ * U + k.v_rrv * v)
 
 
 @kernel
@@ -92,6 +159,7 @@ def normal_force(direction, u_R, v_R, rudder, rho):
     s, c = direction
     across, along = u_R * s - v_R * c, u_R * c + v_R * s
     U_R = math.sqrt(u_R * u_R + v_R * v_R)
+    along = abs(along)  # from astern the blade works like from ahead (estimated)
     if along < COS_STALL * U_R:
         across = U_R * stalled(math.atan2(across, along), rudder.f_alpha)
     return 0.5 * rho * rudder.A_R * rudder.f_alpha * U_R * across
@@ -114,8 +182,9 @@ def rudder_on_plate(motion, delta, inflow, wash, ship, tables):
 
     F_N is the effective-inflow law at this angle, plus a share (delta / trained angle)^2 of what
     the CFD surrogate gives beyond that law at the trained angle. So the trained angle gives the
-    surrogate back exactly (a single one to port: mirrored, plus what the law's two gamma_R differ
-    by; two have a table for each side), and near amidships the law is left alone.
+    surrogate back exactly (a single one to port: mirrored, plus what the law's two gamma_R and its
+    neutral angle make of it; two have a table for each side), and near amidships the law is left
+    alone.
     """
     race, epsilon, direction = wash
     u, v, r = motion
@@ -123,19 +192,22 @@ def rudder_on_plate(motion, delta, inflow, wash, ship, tables):
     u = u - k.y_R * r + 0.0  # never -0, as in `propeller_forces`
     v_local = v + k.x_R * r
     beta_R = math.atan2(-v_local, u)
+    U, _ = inflow
     if k.beaufoy > 0.0:
-        U, _ = inflow
         return beaufoy(U, direction[0], k.A_R), 0.0, beta_R
     u_R = axial_inflow(u, race, ship)
     v_g = lateral_inflow(inflow, r, k)
-    F_N = normal_force(direction, u_R, straightening(v_g, 1.0, k) * v_g, k, ship.rho)
+    v_3 = cubic_inflow(motion, U, ship)
+    v_R = cross_inflow(v_g, U, u_R, 1.0, k) + v_3
+    F_N = normal_force(direction, u_R, v_R, k, ship.rho)
     blend, side = surrogate_blend(delta, box)
-    doubt = box.z_N * box.law_std  # a draw moves the law too, by its error at the samples
+    doubt = box.z_N * box.law_std  # a draw moves the law too, by what such a law misses samples
     if blend <= 0.0:
         return F_N * (1.0 + doubt), 0.0, beta_R
     trained = (side * box.sin_delta, box.cos_delta)
     mirror = 1.0 if k.y_R > 0.0 else side
-    law = normal_force(trained, u_R, straightening(v_g, mirror, k) * v_g, k, ship.rho)
+    v_R = cross_inflow(v_g, U, u_R, mirror, k) + v_3
+    law = normal_force(trained, u_R, v_R, k, ship.rho)
     table = surrogate_of(side, tables)
     at = surrogate_cell(epsilon, side * beta_R, box, table)
     q = race_speed_squared(u, race.thrust, ship.propeller.D, ship.rho) + v_local * v_local

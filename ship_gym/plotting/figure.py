@@ -78,6 +78,9 @@ def headline(figure: Figure, title: str, details: str) -> None:
     figure.text(y=1.0 - 0.55 * room, s=details, color=FAINT, **style)
 
 
-def level(axes: Axes, value: float, **kwargs) -> None:
-    """Measured value of a trial as a dashed horizontal line."""
+def level(axes: Axes, value: float, deviation: float = 0.0, **kwargs) -> None:
+    """Measured value of a trial as a dashed horizontal line, its standard deviation as a band."""
+    if deviation > 0.0:
+        band = {"color": MEASURED, "alpha": 0.2, "linewidth": 0.0}
+        axes.axhspan(value - deviation, value + deviation, **band, **kwargs)
     axes.axhline(value, color=MEASURED, linestyle=DASHED, linewidth=1.2, **kwargs)

@@ -1,7 +1,8 @@
 """Propeller loading of a manoeuvre: K_T over J, and q' and n' over t' (Adachi & Sugai 1978).
 
-t' = K_T / J^2, q' = K_Q / J^3 and n' = 1 / J with the ship's surge velocity. Stern et al. (2021)
-find that q'(t') and n'(t') of models and manoeuvres fall together better than K_T(J) does.
+t' = K_T / J^2, q' = K_Q / J^3 and n' = t' / (2 pi q') with the ship's surge velocity, as Stern et
+al. (2021) print them; n' is K_T J / (2 pi K_Q), the efficiency T u / (2 pi n Q). They find that
+q'(t') and n'(t') of models and manoeuvres fall together better than K_T(J) does.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ _LABELS = {
     "K_T": "thrust coefficient $K_T$ [-]",
     "t_prime": "thrust loading $t' = K_T/J^2$ [-]",
     "q_prime": "torque loading $q' = K_Q/J^3$ [-]",
-    "n_prime": "revolutions $n' = 1/J$ [-]",
+    "n_prime": r"efficiency $n' = t'/(2\pi q')$ [-]",
 }
 _PANELS = (("J", "K_T"), ("t_prime", "q_prime"), ("t_prime", "n_prime"))
 
@@ -84,7 +85,7 @@ def propeller_loading(
         "K_Q": K_Q,
         "t_prime": K_T / J**2,
         "q_prime": K_Q / J**3,
-        "n_prime": 1.0 / J,
+        "n_prime": K_T * J / (2.0 * math.pi * K_Q),
     }
 
 

@@ -8,7 +8,7 @@ import os
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Ellipse, Polygon
+from matplotlib.patches import Annulus, Ellipse, Polygon
 
 from ship_gym.conventions import FORCES
 from ship_gym.plotting.figure import (
@@ -25,6 +25,7 @@ from ship_gym.plotting.figure import (
 from ship_gym.recording.hull_shape import deck_outline
 from ship_gym.reports.case import Case
 from ship_gym.reports.manoeuvre import CONDITION, title
+from ship_gym.reports.measures import rows
 
 _OUTLINE_EVERY = 30.0  # deg of heading
 _SHOWN = 540.0  # deg of heading in the time histories
@@ -147,10 +148,9 @@ def _dimension(axes: Axes, start, end, label: str) -> None:
 
 
 def _trial_marks(axes: Axes, case: Case, side: float) -> None:
-    """Values of the trial at the places of the track that they belong to."""
-    measured = case.trial.measures if case.trial else {}
+    """Values of the trial at the places of the track that they belong to, with their scatter."""
+    measured, bars = _measured(case)
     line = {"color": MEASURED, "linestyle": DASHED, "linewidth": 1.2}
-    dot = {"marker": "D", "color": MEASURED, "markersize": 5, "linestyle": "none", "zorder": 5}
     drawn = []
     if "max_advance" in measured:
         drawn += [axes.axhline(measured["max_advance"], **line)]
@@ -158,18 +158,37 @@ def _trial_marks(axes: Axes, case: Case, side: float) -> None:
         drawn += [axes.axvline(side * measured["max_transfer"], **line)]
     if "advance" in measured:
         across = measured.get("transfer", case.result.transfer)
-        drawn += axes.plot(side * across, measured["advance"], **dot)
+        bar = (bars.get("transfer"), bars.get("advance"))
+        drawn += _diamond(axes, side * across, measured["advance"], *bar)
     if "tactical_diameter" in measured:
         along = _at(case, 180.0, "x") / case.ship.hull.L
-        drawn += axes.plot(side * measured["tactical_diameter"], along, **dot)
+        bar = (bars.get("tactical_diameter"), None)
+        drawn += _diamond(axes, side * measured["tactical_diameter"], along, *bar)
     if "steady_diameter" in measured:
         north, east = _circle_centre(case)
-        size = measured["steady_diameter"]
-        circle = Ellipse((east, north), size, size, fill=False, **line)
-        drawn += [axes.add_patch(circle)]
+        size, bar = measured["steady_diameter"], bars.get("steady_diameter")
+        drawn += [axes.add_patch(Ellipse((east, north), size, size, fill=False, **line))]
+        if bar:
+            width = {"width": bar, "facecolor": MEASURED, "alpha": 0.2}
+            axes.add_patch(Annulus((east, north), 0.5 * (size + bar), **width))
     if drawn:
-        drawn[0].set_label("measured: " + ", ".join(_drawn_names(measured)))
+        label = "measured: " + ", ".join(_drawn_names(measured))
+        drawn[0].set_label(label + ("; bars, band: 1 SD of facilities" if bars else ""))
         axes.legend(handles=drawn[:1], loc="upper left", bbox_to_anchor=(0.0, 1.07))
+
+
+def _measured(case: Case) -> tuple[dict[str, float], dict[str, float]]:
+    """Measured values and standard deviations of the facilities, in units of display."""
+    compared = [row for row in rows(case) if row.measured is not None]
+    bars = {row.name: row.deviation for row in compared if row.deviation}
+    return {row.name: row.measured for row in compared}, bars
+
+
+def _diamond(axes: Axes, x: float, y: float, x_bar: float | None, y_bar: float | None) -> list:
+    """A measured point with the error bars that it has."""
+    style = {"color": MEASURED, "zorder": 5, "capsize": 3.0, "elinewidth": 1.4}
+    made = axes.errorbar(x, y, y_bar, x_bar, fmt="D", markersize=5, **style)
+    return [made]
 
 
 def _drawn_names(measured: dict) -> list[str]:
@@ -203,20 +222,20 @@ def _histories(panels: list[Axes], case: Case, t: dict[str, np.ndarray]) -> None
     """Heading, yaw rate, speed, drift, rudder and thrust over time, with the trial's values."""
     L = case.ship.hull.L
     U = np.hypot(t["u"], t["v"])
-    measured = case.trial.measures if case.trial else {}
+    measured, bars = _measured(case)
     quantities = (
-        ("heading psi [deg]", np.degrees(t["psi"]), None),
-        ("rudder delta [deg]", np.degrees(t["delta"]), None),
-        ("speed U/U0 [-]", U / case.speed, measured.get("steady_speed_ratio")),
-        ("yaw rate r L/U [-]", t["r"] * L / U, None),
-        ("drift beta [deg]", np.degrees(np.arctan2(-t["v"], t["u"])), None),
-        ("thrust T [N]", t["thrust"], measured.get("steady_thrust")),
+        ("heading psi [deg]", np.degrees(t["psi"]), ""),
+        ("rudder delta [deg]", np.degrees(t["delta"]), ""),
+        ("speed U/U0 [-]", U / case.speed, "steady_speed_ratio"),
+        ("yaw rate r L/U [-]", t["r"] * L / U, ""),
+        ("drift beta [deg]", np.degrees(np.arctan2(-t["v"], t["u"])), ""),
+        ("thrust T [N]", t["thrust"], "steady_thrust"),
     )
-    for axes, (label, values, trial) in zip(panels, quantities, strict=True):
+    for axes, (label, values, name) in zip(panels, quantities, strict=True):
         axes.plot(t["t"], values, color=BLUE)
         axes.set_title(label)
-        if trial is not None:
-            level(axes, trial, xmin=0.5)
+        if name in measured:
+            level(axes, measured[name], bars.get(name, 0.0), xmin=0.5)
     for axes in panels[:-2]:
         axes.tick_params(labelbottom=False)
 

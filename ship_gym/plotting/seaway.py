@@ -16,6 +16,7 @@ from ship_gym.plotting.figure import (
     DASHED,
     FAINT,
     INK,
+    MEASURED,
     RED,
     TEAL,
     VIOLET,
@@ -26,6 +27,7 @@ from ship_gym.recording.hull_shape import deck_outline
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.reports.case import Case
 from ship_gym.reports.manoeuvre import CONDITION, title, wave_share
+from ship_gym.reports.measures import rows
 
 _OUTLINE_EVERY = 45.0  # deg of heading
 _SHOWN = math.radians(560.0)  # heading up to which a turn is drawn; drift is counted to 540 deg
@@ -99,6 +101,7 @@ def _tracks(axes: Axes, case: Case, waves: dict, calm: dict) -> None:
     start, end = ([np.interp(a, turned, waves[k]) / L for k in ("y", "x")] for a in _DRIFT)
     arrow = {"arrowstyle": "-|>", "color": RED, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", end, start, arrowprops=arrow, zorder=6)
+    _measured_drift(axes, case, start)
     result = case.result
     towards = math.degrees(result.drift_direction) % 360.0
     text = f"drift, 180 to 540 deg:\n{result.drift_distance:.2f} L to {towards:.0f} deg"
@@ -113,6 +116,21 @@ def _tracks(axes: Axes, case: Case, waves: dict, calm: dict) -> None:
     axes.set_xlabel("east y [L]")
     axes.set_ylabel("north x [L]")
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 1.1), ncols=3)
+
+
+def _measured_drift(axes: Axes, case: Case, start: list[float]) -> None:
+    """Drift of the trial from the same place, and its tactical diameter."""
+    found = {row.name: row.measured for row in rows(case) if row.measured is not None}
+    if "drift_distance" in found and "drift_direction" in found:
+        towards, distance = math.radians(found["drift_direction"]), found["drift_distance"]
+        end = [start[0] + distance * math.sin(towards), start[1] + distance * math.cos(towards)]
+        arrow = {"arrowstyle": "-|>", "color": MEASURED, "linewidth": 1.8}
+        arrow |= {"shrinkA": 0, "shrinkB": 0, "linestyle": DASHED}
+        axes.annotate("", end, start, arrowprops=arrow, zorder=6)
+        axes.plot([], [], color=MEASURED, linestyle=DASHED, label="measured")
+    if "tactical_diameter" in found:
+        side = math.copysign(found["tactical_diameter"], case.delta)
+        axes.plot(side, start[1], "D", color=MEASURED, markersize=5, zorder=5)
 
 
 def _outline(axes: Axes, case: Case, north: float, east: float, psi: float) -> None:

@@ -16,7 +16,7 @@ from ship_gym.physics.dynamics import forces, unit_forces
 from ship_gym.physics.quantities import Tables
 from ship_gym.plotting.figure import INK, RED
 from ship_gym.ships.particulars import Ship
-from ship_gym.ships.records import fleet
+from ship_gym.ships.records import as_computed, fleet
 from ship_gym.simulation import self_propulsion
 from ship_gym.surrogates.fit import Fit
 from ship_gym.surrogates.samples import WINDWARD
@@ -45,6 +45,7 @@ MARGIN = (0.1, math.radians(6.0))  # drawn around the trained box
 # light enough that contour labels stay readable
 WATER = LinearSegmentedColormap.from_list("water", ["#fbfaf0", "#cfe6d8", "#8cc3c9", "#5d98bd"])
 SAND = LinearSegmentedColormap.from_list("sand", ["#fdfcf7", "#f3e3c0", "#e3b778", "#cd8a4d"])
+SIGNED = LinearSegmentedColormap.from_list("signed", ["#c96a5a", "#f7f4ec", "#6d9cc4"])
 
 
 def map_axes(box: Mapping[str, float], count: int = 49) -> tuple[np.ndarray, np.ndarray]:
@@ -72,15 +73,16 @@ def response(ship: Ship, J: float, beta: float, side: str = "single") -> dict[st
     -------
     dict
         `QUANTITIES` in the frame of the samples: side force positive to port. ``K_T`` is along the
-        ship's axis where the samples are. Outside the trained box this is what the simulation uses
-        there: open water behind the wake and effective inflow.
+        ship's axis where the samples are. Thrust and torque are the samples', without the shift of
+        `records.anchored`. Outside the trained box this is what the simulation uses there: open
+        water behind the wake and effective inflow.
     """
     return responses(ship, np.array([J]), np.array([beta]), side)[0, 0]
 
 
 def responses(ship: Ship, J: np.ndarray, beta: np.ndarray, side: str = "single") -> np.ndarray:
     """`response` at every pair, object array of shape (len(beta), len(J))."""
-    made = fleet([ship])
+    made = fleet([as_computed(ship)])
     record, tables = made.records[0], Tables(made.open_water[0], made.deflected[0])
     mirror = -1.0 if side == WINDWARD else 1.0
     found = np.empty((len(beta), len(J)), dtype=object)
@@ -134,7 +136,14 @@ def turned(fit: Fit, name: str, values: np.ndarray) -> np.ndarray:
 
 
 def draw_map(
-    figure: Figure, axes: Axes, grid, values, box: Mapping[str, float], cmap=WATER, bands: int = 11
+    figure: Figure,
+    axes: Axes,
+    grid,
+    values,
+    box: Mapping[str, float],
+    cmap=WATER,
+    bands: int = 11,
+    limit: float | None = None,
 ):
     """Contours over J and beta with a frame around the trained box.
 
@@ -143,9 +152,11 @@ def draw_map(
     grid : (numpy.ndarray, numpy.ndarray)
         J [-] and beta [rad], shapes (m,) and (n,).
     values : numpy.ndarray
-        Shape (n, m). The levels are those of the trained box.
+        Shape (n, m). The levels are those of the trained box, unless there is a `limit`.
     bands : int
         About how many levels.
+    limit : float, optional
+        Levels from minus to plus this instead, for differences.
 
     Returns
     -------
@@ -159,7 +170,8 @@ def draw_map(
             (box["J_min"] <= J) & (box["J_max"] >= J),
         )
     ]
-    levels = MaxNLocator(bands).tick_values(inside.min(), inside.max())
+    ends = (inside.min(), inside.max()) if limit is None else (-limit, limit)
+    levels = MaxNLocator(bands).tick_values(*ends)
     degrees = np.degrees(beta)
     filled = axes.contourf(J, degrees, values, levels=levels, cmap=cmap, extend="both")
     drawn = axes.contour(J, degrees, values, levels=levels, colors=INK, linewidths=0.4)

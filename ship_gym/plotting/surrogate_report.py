@@ -104,7 +104,7 @@ def _parity(axes: Axes, fit: Fit, side: str, name: str, named: bool) -> None:
     ends = []
     marks = ((fit.training, "o", BLUE, "training"), (fit.validation, "D", RED, "held out"))
     for samples, marker, colour, label in marks:
-        part = samples[side]
+        part = fit.comparable(samples[side], side)
         if name not in part.values or not len(part.points):
             continue
         mean, std = fit.models[side][name].predict(part.X)

@@ -8,7 +8,8 @@ import math
 from ship_gym.config import ConfigError, check_known, check_number
 from ship_gym.manoeuvres import TurningCircle, ZigZag, turning_circle, zigzag
 from ship_gym.sea.state import CALM, RegularWave, Sea, load_sea, regular_sea
-from ship_gym.ships.particulars import Ship, Trial
+from ship_gym.ships.particulars import Ship
+from ship_gym.ships.trials import Trial
 from ship_gym.simulation import self_propulsion
 
 # what the user types -> the name in ship files
@@ -32,7 +33,7 @@ class Case:
     sea : str
         What the sea is: its name, and the regular wave or direction that was asked for.
     trial : Trial or None
-        Measured manoeuvre with the same rudder, heading and speed.
+        Measured manoeuvre with the same rudder, heading, speed and waves.
     water : Sea
         The sea at the ship's scale.
     calm : TurningCircle, ZigZag or None
@@ -97,7 +98,10 @@ def sail(
     delta, psi = _angles(ship, kind, delta_deg, psi_deg)
     speed = check_number("speed", ship.speed if speed is None else speed, 1e-6, 100.0, "m/s")
     water, label = sea_of(ship, sea, wave_height, wavelength, wave_from_deg)
-    trial = _matching_trial(ship, kind, delta, psi, speed, n) if label == "calm" else None
+    waves = (wave_height or 0.0, wavelength or 0.0, (wave_from_deg or 0.0) % 360.0)
+    trial = None
+    if sea == "calm":
+        trial = _matching_trial(ship, kind, delta, psi, speed, n, waves)
     if n is None:
         n = self_propulsion(ship, speed) if trial is None or trial.n is None else trial.n
 
@@ -170,6 +174,9 @@ def sail_trial(ship: Ship, trial: Trial) -> Case:
         psi_deg=trial.psi_deg or None,
         speed=trial.speed,
         n=trial.n,
+        wave_height=trial.wave_height if trial.waves else None,
+        wavelength=trial.wavelength if trial.waves else None,
+        wave_from_deg=trial.wave_from_deg if trial.waves else None,
     )
     return dataclasses.replace(case, trial=trial)
 
@@ -206,13 +213,25 @@ def _angles(ship: Ship, kind: str, delta_deg: float | None, psi_deg: float | Non
 
 
 def _matching_trial(
-    ship: Ship, kind: str, delta: float, psi: float, speed: float, n: float | None
+    ship: Ship,
+    kind: str,
+    delta: float,
+    psi: float,
+    speed: float,
+    n: float | None,
+    waves: tuple[float, float, float],
 ) -> Trial | None:
-    """First trial with this manoeuvre, these angles and this speed and propeller speed."""
+    """First trial with this manoeuvre, these angles, speed, propeller speed and waves.
+
+    ``waves``: height [m], length [L] and where they come from [deg], within 0 to 360.
+    """
     for t in ship.trials:
         same = t.manoeuvre == kind and abs(t.delta_deg - math.degrees(delta)) < 0.01
         same = same and abs(t.psi_deg - math.degrees(psi)) < 0.01
         same = same and abs(t.speed - speed) <= _SAME * t.speed
+        its = (t.wave_height, t.wavelength, t.wave_from_deg % 360.0)
+        pairs = zip(its, waves, strict=True)
+        same = same and all(abs(a - b) <= _SAME * max(abs(a), 1e-9) for a, b in pairs)
         if same and (n is None or t.n is None or abs(t.n - n) <= _SAME * t.n):
             return t
     return None

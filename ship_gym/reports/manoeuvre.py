@@ -2,97 +2,22 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import shlex
 from typing import Any
 
-from ship_gym.config import check_known
-from ship_gym.manoeuvres import imo_limits
 from ship_gym.reports.balance import steady_balance
 from ship_gym.reports.case import Case, has_waves
+from ship_gym.reports.measures import DIRECTIONS, Row, deviations_text, difference_text, rows
 from ship_gym.sea.wave_response import energy_outside
 from ship_gym.ships.particulars import Ship
-from ship_gym.text import paragraph, percent, table
+from ship_gym.text import paragraph, table
 
 CONDITION = "; "  # between manoeuvre and condition in a title
 _NOTED = 0.01  # share of the waves' energy outside the wave table from which it is said
 _KILO = 1e4  # N or N m from which kN or kN m are shown
-_DEG = 180.0 / math.pi
 
-# measure -> (label, unit of display, factor from the result's unit, digits)
-_QUANTITIES: dict[str, tuple[str, str, float, int]] = {
-    "advance": ("advance", "L", 1.0, 2),
-    "transfer": ("transfer", "L", 1.0, 2),
-    "tactical_diameter": ("tactical diameter", "L", 1.0, 2),
-    "max_advance": ("maximum advance", "L", 1.0, 2),
-    "max_transfer": ("maximum transfer", "L", 1.0, 2),
-    "steady_diameter": ("steady diameter", "L", 1.0, 2),
-    "steady_speed_ratio": ("steady speed ratio U/U0", "-", 1.0, 3),
-    "steady_drift": ("steady drift angle", "deg", _DEG, 1),
-    "steady_yaw_rate": ("steady yaw rate r L/U", "-", 1.0, 3),
-    "steady_J": ("steady advance ratio J", "-", 1.0, 3),
-    "steady_thrust": ("steady thrust", "N", 1.0, 2),
-    "steady_torque": ("steady torque", "N m", 1.0, 4),
-    "rudder_normal_force": ("rudder normal force, whole", "N", 1.0, 2),
-    "drift_distance": ("drift from 180 to 540 deg", "L", 1.0, 2),
-    "drift_direction": ("  direction from north", "deg", _DEG, 0),
-    "overshoot_1": ("first overshoot", "deg", _DEG, 1),
-    "overshoot_2": ("second overshoot", "deg", _DEG, 1),
-    "overshoot_3": ("third overshoot", "deg", _DEG, 1),
-    "overshoot_4": ("fourth overshoot", "deg", _DEG, 1),
-    "initial_turning": ("way to first reversal", "L", 1.0, 2),
-    "period": ("period", "s", 1.0, 1),
-}
 _RESISTING = ("hull", "rudder", "wave")
-_ONLY_IN_A_SEA = ("drift_distance", "drift_direction")
-# rudder/heading [deg] of a zig-zag -> limit of `imo_limits` -> measure
-_IMO_ZIGZAG = {
-    (10, 10): {
-        "initial_turning": "initial_turning",
-        "overshoot_10_10_first": "overshoot_1",
-        "overshoot_10_10_second": "overshoot_2",
-    },
-    (20, 20): {"overshoot_20_20_first": "overshoot_1"},
-}
-
-
-@dataclasses.dataclass(frozen=True)
-class Row:
-    """One measure in the unit of display; `limit` is IMO's, `calm` that without the waves."""
-
-    name: str
-    computed: float
-    measured: float | None = None
-    limit: float | None = None
-    calm: float | None = None
-
-    @property
-    def difference(self) -> float | None:
-        """100 (computed - measured) / measured [%]; None without a measurement."""
-        return None if self.measured is None else 100.0 * (self.computed / self.measured - 1.0)
-
-    @property
-    def passes(self) -> bool:
-        """Whether the computed value is within IMO's limit."""
-        return self.limit is None or self.computed <= self.limit
-
-
-def rows(case: Case) -> list[Row]:
-    """Measures of a case in units of display, with what was measured and what IMO allows."""
-    measured, limits = _measured(case), _limits(case)
-    calm = _flat(case.calm.measures()) if case.calm else {}
-    found = []
-    for name, value in _flat(case.result.measures()).items():
-        if name not in _QUANTITIES or (name in _ONLY_IN_A_SEA and case.sea == "calm"):
-            continue
-        factor = _QUANTITIES[name][2]
-        limit = limits.get(name)
-        limit = None if limit is None else limit * factor
-        still = calm.get(name)
-        still = None if still is None else still * factor
-        found.append(Row(name, value * factor, measured.get(name), limit, still))
-    return found
 
 
 def wave_share(case: Case) -> dict[str, float]:
@@ -120,40 +45,6 @@ def _share(surge: dict[str, float]) -> float:
     return surge["wave"] / sum(surge.values())
 
 
-def _flat(measures: dict[str, Any]) -> dict[str, float]:
-    """Measures with the overshoots of a zig-zag numbered from 1."""
-    flat = {}
-    for name, value in measures.items():
-        if name == "overshoots":
-            flat.update({f"overshoot_{k}": x for k, x in enumerate(value, start=1)})
-        elif not isinstance(value, tuple):
-            flat[name] = value
-    return flat
-
-
-def _measured(case: Case) -> dict[str, float]:
-    """Measured values of the trial in units of display."""
-    found: dict[str, float] = {}
-    for name, value in (case.trial.measures if case.trial else {}).items():
-        if name == "overshoots_deg":
-            found.update({f"overshoot_{k}": float(x) for k, x in enumerate(value, start=1)})
-        else:
-            check_known(f"measure in a trial of {case.ship.name}", name, _QUANTITIES)
-            found[name] = float(value) * _QUANTITIES[name][2]
-    return found
-
-
-def _limits(case: Case) -> dict[str, float]:
-    """Limits of IMO MSC.137(76) that this manoeuvre is judged by, measure to limit."""
-    limits = imo_limits(case.ship, case.speed)
-    if case.manoeuvre == "turning_circle":
-        hard_over = min(math.radians(35.0), case.ship.gear.delta_max)
-        judged = abs(case.delta) >= hard_over - 1e-9
-        return {k: limits[k] for k in ("advance", "tactical_diameter")} if judged else {}
-    angles = (round(abs(math.degrees(case.delta))), round(abs(math.degrees(case.psi))))
-    return {measure: limits[key] for key, measure in _IMO_ZIGZAG.get(angles, {}).items()}
-
-
 def title(case: Case) -> str:
     """One line: ship, manoeuvre; condition."""
     side = "starboard" if case.delta > 0.0 else "port"
@@ -170,6 +61,9 @@ def title(case: Case) -> str:
 def as_dict(case: Case) -> dict[str, Any]:
     """The case as plain numbers, for ``--json``."""
     found = rows(case)
+    compared = [row for row in found if row.measured is not None]
+    directions = [row for row in compared if row.name in DIRECTIONS]
+    percents = [row for row in compared if row not in directions]
     return {
         "ship": case.ship.name,
         "surrogate": case.ship.surrogate_name,
@@ -180,14 +74,21 @@ def as_dict(case: Case) -> dict[str, Any]:
         "speed": case.speed,
         "n": case.n,
         "sea": case.sea,
-        "units": {row.name: _QUANTITIES[row.name][1] for row in found},
+        "units": {row.name: row.unit for row in found},
         "measures": {r.name: r.computed if math.isfinite(r.computed) else None for r in found},
         "measured": {r.name: r.measured for r in found if r.measured is not None},
-        "difference_percent": {r.name: r.difference for r in found if r.measured is not None},
+        "difference_percent": {r.name: r.difference for r in percents},
+        "difference_deg": {r.name: r.difference for r in directions},
+        "deviation": {r.name: r.deviation for r in found if r.deviation is not None},
+        "difference_in_deviations": {
+            r.name: r.deviations for r in found if r.deviations is not None
+        },
+        "others": {r.name: r.others for r in found if r.others},
         "imo": {r.name: {"limit": r.limit, "pass": r.passes} for r in found if r.limit is not None},
         "calm": {r.name: r.calm for r in found if r.calm is not None},
         "wave_share": wave_share(case),
         "trial_source": case.trial.source if case.trial else None,
+        "facility": case.trial.facility if case.trial else None,
         "estimated": case.ship.estimated,
     }
 
@@ -197,9 +98,12 @@ def as_text(case: Case) -> str:
     found = rows(case)
     lines = [title(case)]
     lines.append(f"hull set {case.ship.variant}, surrogate {case.ship.surrogate_name}")
-    lines += ["", _wave_table(found) if case.calm else _measure_table(found)]
+    lines += ["", _measure_table(found)]
     if case.trial:
-        lines.append(paragraph(f"measured: {case.trial.source}"))
+        who = f"{case.trial.facility}: " if case.trial.facility else ""
+        lines.append(paragraph(f"measured: {who}{case.trial.source}"))
+        if case.trial.others:
+            lines += ["", _others_table(found, list(case.trial.others))]
     if has_waves(case.water):
         lines += ["", _wave_text(case)]
     lines += ["", _imo_table(found)]
@@ -209,20 +113,36 @@ def as_text(case: Case) -> str:
 
 
 def _measure_table(found: list[Row]) -> str:
+    """Measures, in waves beside those in calm water, and beside what was measured."""
+    calm, scatter = (any(getattr(r, k) is not None for r in found) for k in ("calm", "deviation"))
+    trial = any(row.measured is not None for row in found) or not calm
+    header = ["measure", "unit", *(["in waves", "calm water"] if calm else ["computed"])]
+    header += ["measured", "difference"] if trial else []
+    header += ["in SD"] if scatter else []
     cells = []
     for row in found:
-        unit, computed, measured = _shown(row, row.measured)
-        cells.append([_QUANTITIES[row.name][0], unit, computed, measured, percent(row.difference)])
-    return table(["measure", "unit", "computed", "measured", "difference"], cells, left=2)
+        unit, computed, still = _shown(row, row.calm)
+        line = [row.label, unit, computed, *([still] if calm else [])]
+        line += [_measured_cell(row), difference_text(row)] if trial else []
+        cells.append(line + ([deviations_text(row)] if scatter else []))
+    return table(header, cells, left=2)
 
 
-def _wave_table(found: list[Row]) -> str:
-    """Measures in waves beside those in calm water."""
-    cells = []
-    for row in found:
-        unit, computed, calm = _shown(row, row.calm)
-        cells.append([_QUANTITIES[row.name][0], unit, computed, calm])
-    return table(["measure", "unit", "in waves", "calm water"], cells, left=2)
+def _measured_cell(row: Row) -> str:
+    _, _, measured = _shown(row, row.measured)
+    _, _, deviation = _shown(row, row.deviation)
+    return f"{measured} ± {deviation}" if deviation else measured
+
+
+def _others_table(found: list[Row], names: list[str]) -> str:
+    """What others computed for the trial, beside ours and the measured values."""
+    cells = [
+        [row.label, *(_shown(row, x)[2] for x in (row.computed, row.measured))]
+        + [_shown(row, row.others.get(name))[2] for name in names]
+        for row in found
+        if row.others
+    ]
+    return table(["computed by others", "here", "measured", *names], cells)
 
 
 def _wave_text(case: Case) -> str:
@@ -248,14 +168,13 @@ def _imo_table(found: list[Row]) -> str:
     cells = []
     for row in judged:
         verdict = "pass" if row.passes else "FAIL"
-        cells.append([_QUANTITIES[row.name][0], *_shown(row, row.limit), verdict])
+        cells.append([row.label, *_shown(row, row.limit), verdict])
     return table(["IMO MSC.137(76)", "unit", "computed", "at most", ""], cells, left=2)
 
 
 def _shown(row: Row, other: float | None) -> tuple[str, str, str]:
     """Unit, computed value and the one to compare with; large forces in kN."""
-    _, unit, _, digits = _QUANTITIES[row.name]
-    factor = 1.0
+    unit, digits, factor = row.unit, row.digits, 1.0
     if unit.startswith("N") and abs(row.computed) >= _KILO:
         unit, factor, digits = f"k{unit}", 1e-3, 1
     text = "" if other is None else f"{other * factor:.{digits}f}"

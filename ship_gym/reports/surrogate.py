@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.reports.case import sail
+from ship_gym.reports.case import sail, sail_trial
 from ship_gym.reports.surrogate_printed import (
     printed_errors,
     printed_means,
@@ -33,11 +33,13 @@ SHIPPED = (
     ("kcs", "regression", "G3", "SA"),
     ("kcs", "gp", "G2", "SA"),
     ("kcs", "nn", "G2", "SA"),
+    ("onrt", "regression", "G1", "SA"),
     ("onrt", "regression", "G2", "SA"),
     ("onrt", "regression", "G2", "SST"),
     ("onrt", "regression", "G3", "SA"),
     ("onrt", "gp", "G2", "SA"),
     ("onrt", "nn", "G2", "SA"),
+    ("onrt_16", "regression", "G2", "SA"),
 )
 
 
@@ -156,8 +158,8 @@ def _budgets(fit: Fit) -> list[dict[str, Any]]:
     totals = printed_totals(fit.data) if fit.name == "G2_SA" else {}
     rows = []
     for side in fit.data.sides:
-        for quantity in fit.data.quantities:
-            budget = error_budget(fit.data, quantity, side, fit.models[side][quantity])
+        for quantity, errors in fit.errors(side).items():
+            budget = error_budget(fit.data, quantity, side, errors)
             points = list(budget.turbulence_points)
             extra = {"turbulence_points": points, "printed_total": totals.get(quantity)}
             rows.append(budget.as_row() | extra)
@@ -174,8 +176,8 @@ def turning_check(ship: Ship, table: Table, name: str) -> dict[str, Any]:
     """
     measured = next((t for t in ship.trials if t.manoeuvre == "turning_circle"), None)
     delta_deg = measured.delta_deg if measured else float(np.degrees(ship.gear.delta_max))
-    speed, n = (measured.speed, measured.n) if measured else (None, None)
-    case = sail(attach_surrogate(ship, table, name), delta_deg=delta_deg, speed=speed, n=n)
+    vessel = attach_surrogate(ship, table, name)
+    case = sail_trial(vessel, measured) if measured else sail(vessel, delta_deg=delta_deg)
     return {
         "delta_deg": delta_deg,
         "measures": case.result.measures(),

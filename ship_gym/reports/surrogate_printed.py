@@ -8,7 +8,8 @@ from ship_gym.surrogates.samples import DATA, DataSet
 _ERRORS = {"kcs": "kcs_regression_error.csv", "onrt": "onrt_regression_error.csv"}
 _PROCESS = {"kcs": "kcs_surrogate_comparison.csv", "onrt": "onrt_surrogate_comparison.csv"}
 _PROCESS_COLUMN = {"printed": "GP sigma_n calculated", "none": "GP sigma_n 0.0001"}
-# Table 3.11 calls 10K_Q K_Q; its rudder rows are of the movable part, whose forces are not printed
+# Table 3.11 calls 10K_Q K_Q; its rudder rows are of the movable part, whose forces are not in the
+# thesis (Tables A.5, A.6, 3.3, 3.4 are of the whole rudder, section 3.2.3)
 _TABLE_3_11 = {"K_T": "K_T", "10K_Q": "K_Q"}
 
 
@@ -39,6 +40,12 @@ def _error(rows: CsvTable, grid: str, point: int) -> float:
     if f"point {point}" in rows.columns:
         return float(rows.columns[f"point {point}"][0])
     return float(rows.where(point=float(point)).columns[f"8pt {grid}"][0])
+
+
+def printed_errors_of_16(quantity: str) -> list[float]:
+    """Errors [%] on points 1-4 of the 16-point regression of KCS on grid G2, Tables 3.7-3.10."""
+    rows = read_csv(DATA / _ERRORS["kcs"]).where(quantity=quantity)
+    return [float(x) for x in rows.columns["16pt G2"]]
 
 
 def printed_means(data: DataSet, noise: str, side: str) -> dict[str, float]:

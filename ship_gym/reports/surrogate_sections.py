@@ -184,7 +184,8 @@ def _table(data: Mapping[str, Any]) -> list[Text]:
             f"({worst})."
         ),
         Text(
-            f"Effective-inflow law at other rudder angles: epsilon {law['epsilon']:.4f}, kappa "
+            f"Effective-inflow law fitted to the samples (at other rudder angles that of a ship "
+            f"without a captive set of its own): epsilon {law['epsilon']:.4f}, kappa "
             f"{law['kappa']:.4f}, {gammas}. Its error of the normal force at the training points: "
             f"{misses}; mean size {law['mean_abs_error_percent']:.1f} %."
         ),

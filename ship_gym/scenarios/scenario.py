@@ -38,6 +38,9 @@ class Scenario:
         One of ``available_surrogates(ship)``; None: the ship's own.
     control : str
         ``rudder`` or ``rudder+rpm``.
+    astern : float
+        How far ``rudder+rpm`` may brake: largest propeller speed astern by n_max (0: not at all;
+        the engine's own limit holds too).
     control_interval, duration : float
         At full scale [s]; a model gets them Froude-scaled.
     privileged : bool
@@ -53,6 +56,7 @@ class Scenario:
     duration: float
     sea: SeaRange
     surrogate: str | None = None
+    astern: float = 0.0
     privileged: bool = False
     sensors: Sensors = dataclasses.field(default_factory=Sensors)
     randomisation: Randomisation = dataclasses.field(default_factory=Randomisation)
@@ -60,6 +64,7 @@ class Scenario:
 
     def __post_init__(self):
         check_known("control", self.control, ACTIONS)
+        check_number("astern", self.astern, 0.0, 1.0)
         check_number("control_interval", self.control_interval, 0.05, 60.0, "s")
         check_number("duration", self.duration, self.control_interval, 1e6, "s")
         if abs(self.duration / self.control_interval - self.steps) > 1e-9 * self.steps:

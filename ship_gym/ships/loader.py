@@ -33,22 +33,24 @@ from ship_gym.ships.files import (
     name_of,
     text_of,
 )
+from ship_gym.ships.four_quadrants import Screw, nearest_screw
 from ship_gym.ships.open_water import open_water_table
 from ship_gym.ships.particulars import (
     Engine,
     Hull,
     HullForm,
     Propeller,
+    PropulsionPoint,
     Rudder,
     Ship,
     SteeringGear,
-    Trial,
     WindAreas,
     check_sections,
 )
 from ship_gym.ships.reader import Reader
 from ship_gym.ships.records import numbered
 from ship_gym.ships.scaling import scaled
+from ship_gym.ships.trials import Trial, scaled_trial
 from ship_gym.tables import Table
 
 _SECTIONS = {
@@ -70,11 +72,13 @@ _NEEDED = (
     "open_water",
     *_SECTIONS,
 )
-_TOP = (*_NEEDED, *_OPTIONAL, "surrogate", "trial")
+_TOP = (*_NEEDED, *_OPTIONAL, "surrogate", "trial", "propulsion")
 _TOP_UNITS = (("full_length", "m"), ("rho", "kg/m3"), ("nu", "m2/s"), ("speed", "m/s"))
 _SAME_SHIP = 0.02  # of D / L: rounding of printed particulars
 # rudder formulas in place of a fitted surrogate, with the propeller's open-water curve in the wake
 FORMULAS = ("none", "beaufoy")
+# what a set of captive tests brings to the rudder law and to the thrust straight ahead
+_CAPTIVE = ("open_water", "rudder.epsilon", "rudder.kappa", "rudder.gamma_R_p", "rudder.t_R")
 
 
 def available_variants(ship: Named) -> list[str]:
@@ -189,7 +193,7 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
     top = {
         key: reader.number(key, unit, data[key], length, data["source"]) for key, unit in _TOP_UNITS
     }
-    trials = tuple(build(Trial, trial, f"{path}: trial") for trial in data.get("trial", []))
+    trials = tuple(_trial(trial, f"{path}: trial", length) for trial in data.get("trial", []))
     return Ship(
         name=name_of(path),
         title=data["title"],
@@ -199,11 +203,24 @@ def _ship(data: Mapping[str, Any], path: Path) -> Ship:
         wind_type=data.get("wind", {}).get("type", ""),
         wave_table=_wave_table(path),
         trials=trials,
+        propulsion=_propulsion(data, path),
         sources=reader.sources,
         estimated=reader.estimated,
         **top,
         **sections,
     )
+
+
+def _propulsion(data: Mapping[str, Any], path: Path) -> tuple[PropulsionPoint, ...]:
+    """Published points of self-propulsion of a ship file."""
+    where = f"{path}: propulsion"
+    return tuple(build(PropulsionPoint, point, where) for point in data.get("propulsion", []))
+
+
+def _trial(entry: Mapping[str, Any], where: str, length: float) -> Trial:
+    """A trial at the scale of its ship of length `length` [m]."""
+    trial = build(Trial, entry, where)
+    return trial if trial.length is None else scaled_trial(trial, length / trial.length)
 
 
 def _wave_table(path: Path) -> str:
@@ -237,13 +254,17 @@ def _estimated_hull(hull: Mapping[str, Any], length: float, reader: Reader) -> d
 def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
     """Ship of a file that scales another one and replaces some of its numbers."""
     sections = [*_SECTIONS, *(name for name in _OPTIONAL if getattr(base, name) is not None)]
-    allowed = ("title", "status", "scaled_from", "length", *sections)
+    own = ("title", "status", "scaled_from", "length", "wake_correction", "propulsion")
+    allowed = (*own, *sections)
     for key in data:
         if key not in allowed:
             raise ConfigError(f"{path}: unknown key {key!r};{nearest(key, allowed)}")
     reader = Reader(path, f"{base.name} by Froude's law")
     length = reader.number("length", "m", data.get("length"), math.nan, "")
-    ship = scaled(base, length)
+    wake = data.get("wake_correction", True)
+    if not isinstance(wake, bool):
+        raise ConfigError(f"{path}: wake_correction = {wake!r}: allowed is true or false")
+    ship = scaled(base, length, wake_correction=wake)
     changes = {
         name: reader.replaced(name, getattr(ship, name), data[name], length)
         for name in sections
@@ -253,6 +274,7 @@ def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
         ship,
         title=data.get("title", ship.title),
         status=data.get("status", ship.status),
+        propulsion=_propulsion(data, path),
         sources={**ship.sources, **reader.sources},
         estimated={
             **{k: v for k, v in ship.estimated.items() if k not in reader.sources},
@@ -260,15 +282,6 @@ def _scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
         },
         **changes,
     )
-
-
-@dataclasses.dataclass(frozen=True)
-class _BSeries:
-    """Propeller of the Wageningen B-series."""
-
-    pitch_ratio: float
-    area_ratio: float
-    blades: int
 
 
 @dataclasses.dataclass(frozen=True)
@@ -282,7 +295,8 @@ class _OpenWaterEntry:
     K_T: tuple[float, ...] = ()  # from the constant upwards
     K_Q: tuple[float, ...] = ()
     J_range: tuple[float, ...] = ()
-    b_series: _BSeries | None = None
+    b_series: Screw | None = None
+    four_quadrants: Screw | None = None  # outside the data; b_series, else the nearest, if omitted
 
 
 def _open_water(entry: Mapping[str, Any], path: Path, reader: Reader) -> Table:
@@ -301,7 +315,8 @@ def _open_water(entry: Mapping[str, Any], path: Path, reader: Reader) -> Table:
         else:
             J = np.linspace(*e.J_range, 33)
             K_Q = np.polyfit(J, b_series(J, **dataclasses.asdict(e.b_series))[1], 3)
-        return open_water_table(np.array(e.K_T[::-1]), K_Q, e.J_range, card)
+        K_T = np.array(e.K_T[::-1])
+        return open_water_table(K_T, K_Q, e.J_range, _screw(e, K_T, e.J_range, reader), card)
     if e.points is None:
         raise ConfigError(f"{where}: needs points = 'file.csv' or K_T with K_Q")
     check_number(f"{where}.degree", e.degree, 1, 6)
@@ -312,7 +327,22 @@ def _open_water(entry: Mapping[str, Any], path: Path, reader: Reader) -> Table:
     K_T = np.polyfit(J, points.columns["K_T"], e.degree)
     K_Q = np.polyfit(J, 0.1 * points.columns["10K_Q"], e.degree)
     card["points"] = {e.points: sha256(path.parent / e.points)}
-    return open_water_table(K_T, K_Q, (float(J.min()), float(J.max())), card)
+    J_range = (float(J.min()), float(J.max()))
+    return open_water_table(K_T, K_Q, J_range, _screw(e, K_T, J_range, reader), card)
+
+
+def _screw(e: _OpenWaterEntry, K_T: np.ndarray, J_range, reader: Reader) -> Screw:
+    """Series screw that stands for the propeller outside its open-water data, as an estimate."""
+    screw = e.four_quadrants or e.b_series
+    if screw is None:
+        J = np.linspace(*J_range, 33)
+        screw = nearest_screw(J, np.polyval(K_T, J))
+    reader.sources["open_water.four_quadrants"] = "Roddy, Hess & Faller (2006)"
+    reader.estimated["open_water.four_quadrants"] = (
+        f"outside the open-water data: Wageningen harmonics nearest to {screw.blades} blades, "
+        f"P/D {screw.pitch_ratio:g}, AE/A0 {screw.area_ratio:g}"
+    )
+    return screw
 
 
 def _with_surrogate(ship: Ship, data, folder: Path, name: str, wanted: str | None) -> Ship:
@@ -356,12 +386,16 @@ def with_beaufoy(ship: Ship) -> Ship:
 def attach_surrogate(ship: Named | Ship, table: Table, name: str) -> Ship:
     """Ship with a deflected-rudder surrogate, at any scale.
 
-    The table's card brings the effective-inflow law that was fitted to the same samples; it
-    replaces the MMG rudder whole (area, gradient, height in the race too), also of another hull
-    set. The surrogate is the force on the rudder alone, so X_R is its surge force as it stands
-    (t_R = 0).
-    A single rudder keeps the ship's ratio of flow straightening to port, since the samples are of
-    turns to starboard only; of two rudders the leeward and the windward one have their own.
+    A ship whose open-water curve and rudder constants are measured keeps them all, of its own hull
+    set: the MMG rudder with its interaction (t_R, a_H, x_H) at small angles, and straight ahead
+    the thrust of the open-water curve in the wake, to which the surrogate's is shifted
+    (``records.anchored``). At the trained angle the rudder force is the surrogate's.
+
+    A ship with estimates there gets the effective-inflow law that was fitted to the samples in the
+    table's card (area, gradient and height in the race too), and no steering deduction: the
+    surrogate is the force on the rudder alone, X_R its surge force as it stands. A single rudder
+    then keeps the ship's ratio of flow straightening to port, since the samples are of turns to
+    starboard only; of two rudders the leeward and the windward one have their own.
 
     Raises
     ------
@@ -385,13 +419,30 @@ def attach_surrogate(ship: Named | Ship, table: Table, name: str) -> Ship:
             f"surrogate {name} was made for {len(law['gamma_R'])} propellers; {ship.name} has "
             f"{ship.propellers}"
         )
+    domain = {**table.card["domain"], "S_R": made["A_R"] * ratio**2}
+    card = {**table.card, "domain": domain, "anchored": has_captive_set(ship)}
+    if not card["anchored"]:
+        ship = _with_fitted_law(ship, table.card, name)
+    return dataclasses.replace(
+        ship, surrogate=dataclasses.replace(table, card=card), surrogate_name=name
+    )
+
+
+def has_captive_set(ship: Ship) -> bool:
+    """Whether open-water curve and rudder constants of a ship are measured, none estimated."""
+    return not any(key in ship.estimated for key in _CAPTIVE)
+
+
+def _with_fitted_law(ship: Ship, card: Mapping[str, Any], name: str) -> Ship:
+    """Ship with the effective-inflow law of a surrogate's card in place of its own constants."""
+    made, law = card["made_for"], card["effective_inflow"]
     # leeward before windward; to port of a single rudder the ship file's asymmetry
     gamma_R_p, gamma_R_n = next(iter(law["gamma_R"].values())), list(law["gamma_R"].values())[-1]
     if ship.propellers == 1:
         gamma_R_n *= ship.rudder.gamma_R_n / ship.rudder.gamma_R_p
     rudder = dataclasses.replace(
         ship.rudder,
-        A_R=made["A_R"] * ratio**2,
+        A_R=made["A_R"] * (ship.hull.L / made["L"]) ** 2,
         f_alpha=made["f_alpha"],
         eta=made["eta"],
         t_R=0.0,
@@ -400,15 +451,8 @@ def attach_surrogate(ship: Named | Ship, table: Table, name: str) -> Ship:
         gamma_R_p=gamma_R_p,
         gamma_R_n=gamma_R_n,
     )
-    domain = {**table.card["domain"], "S_R": made["A_R"] * ratio**2}
     fitted = f"fitted to the CFD samples of surrogate {name}"
     names = ("epsilon", "kappa", "gamma_R_p", "gamma_R_n")
     sources = {**ship.sources, **{f"rudder.{k}": fitted for k in names}}
     sources["rudder.t_R"] = "0: the surrogate is the force on the rudder itself"
-    return dataclasses.replace(
-        ship,
-        rudder=rudder,
-        surrogate=dataclasses.replace(table, card={**table.card, "domain": domain}),
-        surrogate_name=name,
-        sources=sources,
-    )
+    return dataclasses.replace(ship, rudder=rudder, sources=sources)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError, check_number
+from ship_gym.ships.trials import Trial
 from ship_gym.tables import Table
 
 
@@ -72,8 +73,13 @@ class Propeller:
     wake_C1: float = quantity("-", "wake in manoeuvres, C1 of YY15; 0: not used", 0.0)
     wake_C2_p: float = quantity("-", "their C2 for beta_P > 0", 1.0)
     wake_C2_n: float = quantity("-", "their C2 for beta_P < 0", 1.0)
+    wake_tau: float = quantity("-", "else w_P = w_P0 - wake_tau (v_P / U)^2; 0: not used", 0.0)
     wake_beta2: float = quantity("-", "else w_P = w_P0 exp(-wake_beta2 beta_P^2)", 0.0)
+    wake_l_P: float = quantity("m", "lever of r in w_P0 [1 - (1-cos^2)(1-|beta_P|)]; 0: no", 0.0)
     y_P: float = quantity("m", "distance of each of two from the centreline; 0: one", 0.0)
+
+
+_ONE_SIDED = math.radians(5.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -97,6 +103,10 @@ class Rudder:
     a_H: float = quantity("-", "rudder force increase by the hull")
     x_H: float = quantity("m", "point of attack of that increase, aft of midship negative")
     y_R: float = quantity("m", "distance of each of two from the centreline; 0: one", 0.0)
+    gamma_R_over: float = quantity("rad", "beta_R at which gamma_R is that side's own", _ONE_SIDED)
+    neutral: float = quantity("rad", "angle without force straight ahead, of a single screw", 0.0)
+    v_rrr: float = quantity("-", "c_Rrrr of Son & Nomoto (1982), v_R by r'^3", 0.0)
+    v_rrv: float = quantity("-", "their c_Rrrv, v_R by r'^2 v'", 0.0)
     beaufoy: float = quantity("-", "1: Beaufoy's formula instead of the effective inflow", 0.0)
 
 
@@ -110,12 +120,16 @@ class SteeringGear:
 
 @dataclasses.dataclass(frozen=True)
 class Engine:
-    """Engine with a constant-rpm governor."""
+    """Engine with a constant-rpm governor; torque and inertia are of each shaft."""
 
     n_max: float = quantity("rev/s", "largest propeller speed")
     rate: float = quantity("rev/s2", "largest change of propeller speed per second")
     time_constant: float = quantity("s", "first-order lag; 0: none")
     torque_max: float = quantity("N m", "torque limit at the propeller", math.inf)
+    n_astern: float = quantity("rev/s", "largest propeller speed astern; 0: no reversing", 0.0)
+    reversal_time: float = quantity("s", "to stop and restart the other way; 0: none", 0.0)
+    torque_brake: float = quantity("N m", "against turning: friction, compression, air", 0.0)
+    shaft_inertia: float = quantity("kg m2", "shaft, engine and propeller in water; 0: none", 0.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -218,17 +232,15 @@ class WindAreas:
 
 
 @dataclasses.dataclass(frozen=True)
-class Trial:
-    """A measured manoeuvre to compare with."""
+class PropulsionPoint:
+    """Published self-propulsion on a straight course in calm water, to compare with; SI."""
 
-    manoeuvre: str  # "turning_circle" or "zigzag"
     source: str
-    delta_deg: float  # rudder angle, > 0 to starboard
-    speed: float  # approach speed [m/s] at the scale of this ship
-    # name as in the result of the manoeuvre -> printed value
-    measures: dict[str, Any] = dataclasses.field(hash=False)
-    psi_deg: float = 0.0  # zig-zag heading; sign as delta
-    n: float | None = None  # propeller speed [rev/s]; None: self-propulsion
+    speed: float  # [m/s] at the scale of this ship
+    n: float | None = None  # propeller speed [rev/s]
+    thrust: float | None = None  # of all propellers [N]
+    effective_power: float | None = None  # resistance times speed [W]
+    delivered_power: float | None = None  # of all propellers [W]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -255,6 +267,8 @@ class Ship:
         Path of its wave table, of any scale; empty: the ship cannot sail in waves.
     form : HullForm or None
         Hull form and mass distribution, for meshes and loads in waves; None: not in the file.
+    propulsion : tuple of PropulsionPoint
+        Published points of self-propulsion, beside those of ``powering.powering``.
     sources : dict
         "section.field" to the source of its number.
     estimated : dict
@@ -282,6 +296,7 @@ class Ship:
     wind: WindAreas | None = None
     wind_type: str = ""
     wave_table: str = ""
+    propulsion: tuple[PropulsionPoint, ...] = ()
     sources: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
     estimated: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
 
@@ -314,13 +329,16 @@ class Ship:
         return math.sqrt(self.scale)
 
     def describe(self) -> str:
-        """What the model is and which of its numbers are estimates, as text."""
+        """What the model is, its power beside published ones and its estimates, as text."""
+        from ship_gym.ships.powering import powering_text  # late: it is about ships
+
         lines = [
             f"{self.name}: {self.title}",
             f"  status: {self.status}; hull set: {self.variant}; surrogate: {self.surrogate_name}",
             f"  L {self.hull.L:.4g} m, B {self.hull.B:.4g} m, d {self.hull.d:.4g} m, "
             f"nominal speed {self.speed:.4g} m/s (Fn {self.froude(self.speed):.3f})",
         ]
+        lines += [f"  {line}" for line in powering_text(self)]
         lines += [f"  estimated {name}: {why}" for name, why in self.estimated.items()]
         return "\n".join(lines)
 
@@ -338,6 +356,9 @@ def check_sections(ship: Ship) -> None:
         "gear": ("delta_max", "rate"),
         "engine": ("n_max", "rate", "torque_max"),
     }
+    for name in ("n_astern", "reversal_time", "torque_brake", "shaft_inertia"):
+        check_number(f"{ship.name}: engine.{name}", getattr(ship.engine, name), 0.0)
+    check_number(f"{ship.name}: engine.n_astern", ship.engine.n_astern, 0.0, ship.engine.n_max)
     for section, names in positive.items():
         for name in names:
             value = getattr(getattr(ship, section), name)

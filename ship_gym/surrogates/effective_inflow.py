@@ -8,7 +8,8 @@ import math
 import numpy as np
 from scipy.optimize import least_squares
 
-from ship_gym.physics.rudder import axial_inflow, normal_force, straightening
+from ship_gym.physics.propeller import wake
+from ship_gym.physics.rudder import axial_inflow, cross_inflow, normal_force
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet
 
@@ -57,10 +58,9 @@ def law_coefficients(samples: RudderSamples, record: np.record) -> np.ndarray:
         direction = (math.sin(deltas[i]), math.cos(deltas[i]))
         u, v = J, -J * math.tan(beta)  # our sway is to starboard
         thrust = K_T * rho * D * D  # with n D = 1
-        w = record.propeller.w_P0 * math.exp(-record.propeller.wake_beta2 * beta * beta)
-        u_R = axial_inflow(u, (thrust, 1.0 - w, 0.0), record)
-        v_g = math.hypot(u, v) * beta
-        v_R = straightening(v_g, 1.0, record.rudder) * v_g
+        U = math.hypot(u, v)
+        u_R = axial_inflow(u, (thrust, wake((U, beta), 0.0, record.propeller), 0.0), record)
+        v_R = cross_inflow(U * beta, U, u_R, 1.0, record.rudder)
         F_N = normal_force(direction, u_R, v_R, record.rudder, rho)
         u_ref2 = u * u + 8.0 * K_T / math.pi + v * v
         result[i] = F_N / (0.5 * rho * samples.S_R * u_ref2)
@@ -78,7 +78,7 @@ def fit_effective_inflow(sides: dict[str, RudderSamples], ship: Ship) -> dict[st
     sides : dict
         Name of each rudder (``samples.SINGLE``; or ``LEEWARD`` and ``WINDWARD``) to its samples.
     ship : Ship
-        Without surrogate; its wake must be of the Gaussian kind (``wake_C1 = 0``).
+        Without surrogate: its wake law and the constants that are not fitted.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def fit_effective_inflow(sides: dict[str, RudderSamples], ship: Ship) -> dict[st
         record.rudder["epsilon"], record.rudder["kappa"] = p[0], p[1]
         parts = []
         for samples, C_N, gamma_R in zip(sides.values(), measured, p[2:], strict=True):
-            record.rudder["gamma_R_p"] = gamma_R
+            record.rudder["gamma_R_p"] = record.rudder["gamma_R_n"] = gamma_R  # of this side
             parts.append(law_coefficients(samples, record) / C_N - 1.0)
         return np.concatenate(parts)
 

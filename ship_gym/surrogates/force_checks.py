@@ -4,11 +4,11 @@ Two ratios, each the median over all points of all rudders, so that one odd poin
 eight sets of samples of the package (KCS and ONRT, four CFD models each) give:
 
 - normal force by that of the effective-inflow law (YY15) with the ship's own rudder at the same
-  inflow: 0.68 to 0.85 (KCS, one screw) and 0.45 to 0.53 (ONRT, two). Usual is called 0.35 to 1.1:
+  inflow: 0.75 to 1.00 (KCS, one screw) and 0.45 to 0.53 (ONRT, two). Usual is called 0.35 to 1.27:
   those eight with a quarter to spare on either side. A factor of 3 or 1/3 takes each of them out of
-  it (to 1.33 and more, to 0.28 and less).
-- thrust by that of open water in the wake at the same J: 0.93 to 1.14. Usual is called 0.6 to 1.8;
-  a factor of 3 makes it 2.8 and more, 1/3 makes it 0.38 and less.
+  it (to 1.33 and more, to 0.33 and less).
+- thrust by that of open water in the wake at the same J: 0.85 to 1.14. Usual is called 0.6 to 1.8;
+  a factor of 3 makes it 2.5 and more, 1/3 makes it 0.38 and less.
 
 Outside them there is a warning, no error: a flap or a stalled rudder may be there rightly.
 
@@ -31,7 +31,7 @@ from ship_gym.surrogates.effective_inflow import RudderSamples, law_coefficients
 from ship_gym.surrogates.row_checks import lines
 from ship_gym.surrogates.samples import DataSet, Samples
 
-RUDDER_BAND = (0.35, 1.1)  # see above
+RUDDER_BAND = (0.35, 1.27)  # see above
 THRUST_BAND = (0.6, 1.8)
 _RADIANS = math.radians(0.5 * math.pi)  # what 90 deg in rad is if it is read as degrees
 _BEYOND = 1.2  # times the largest angle of the others

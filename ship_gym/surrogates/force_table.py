@@ -12,7 +12,7 @@ import numpy as np
 from ship_gym.provenance import provenance, sha256
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import bare
-from ship_gym.ships.open_water import EPSILON, coefficients, starred
+from ship_gym.ships.open_water import EPSILON, first_quadrant, starred
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import CHANNELS, STD_CHANNELS, surrogate_names
 from ship_gym.surrogates.base import SurrogateModel
@@ -64,7 +64,7 @@ def table_axes(box: dict[str, float]) -> tuple[Axis, Axis]:
 def torque_at_thrust(ship: Ship) -> Callable[[np.ndarray], np.ndarray]:
     """K_Q as a function of K_T in open water (thrust identity), both of any shape."""
     J = 0.7 * math.pi * np.tan(EPSILON.points[1:-1])
-    K_T, K_Q = coefficients(ship.open_water, J)
+    K_T, K_Q = first_quadrant(ship.open_water, J)
     falling = K_T.argsort()
     return lambda thrust: np.interp(thrust, K_T[falling], K_Q[falling])
 

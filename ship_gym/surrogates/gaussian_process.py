@@ -45,7 +45,7 @@ class GaussianProcess:
     sigma_n : float or numpy.ndarray
         Standard deviation of the noise [unit of y], fixed; one for all points or one each, shape
         (n,). 1e-4 goes through the points; `error_budget.sigma_n` computes it from the spread of
-        turbulence models.
+        grids and turbulence models.
     restarts : int
         Further starts, drawn log-uniformly over the search ranges. 0 as in MATLAB.
     seed : int

@@ -2,9 +2,11 @@
 
 Ten sigmoid neurons, a sigmoid output layer, loss 1/2 |y - yhat|^2 averaged over the snapshots. The
 inputs are the monomials of J and the angle in rad, as they stand: high powers of a small angle stay
-small and do not run away outside the training set; standardised ones are an option. Our own
-choices, which the source does not print: the weights start normal with standard deviation
-1/sqrt(inputs), Adam over the whole set finds them, and those of the least validation loss are kept.
+small and do not run away outside the training set; standardised ones are an option. The source
+descends by the gradient, in open water of one snapshot after the other, and stops at a tolerance of
+the training loss that a validation case chose. Ours: the weights start normal with standard
+deviation 1/sqrt(inputs) (it prints no start), Adam over the whole set finds them, and those of the
+least validation loss are kept.
 Torch trains; `network_outputs` needs numpy only.
 """
 

@@ -1,4 +1,4 @@
-"""Polynomial least squares in (J, beta), Knight (2021) section 2.3, Knight & Maki (2020) Eq. 21."""
+"""Polynomial least squares in (J, beta): Knight (2021) 2.4.1.1, Knight & Maki (2020) Eq. 21."""
 
 from __future__ import annotations
 

@@ -13,6 +13,7 @@ from ship_gym.csv_file import CsvTable, read_csv
 
 DATA = Path(__file__).parent / "data"
 SINGLE, LEEWARD, WINDWARD = "single", "leeward", "windward"
+RUDDER = ("C_Fx", "C_Fy", "C_Mz")  # columns made dimensionless by the rudder speed
 
 
 @dataclasses.dataclass(frozen=True)
@@ -71,6 +72,37 @@ class Samples:
             noise=noise,
         )
 
+    def by_rudder_speed_of(self, thrust: str, K_T: np.ndarray) -> Samples:
+        """The same rudder forces, made dimensionless by the rudder speed of another thrust.
+
+        Parameters
+        ----------
+        thrust : str
+            Column of the thrust coefficient whose rudder speed the coefficients have now.
+        K_T : numpy.ndarray
+            Thrust coefficient [-] whose rudder speed they get, shape (n,).
+        """
+        old, new = (rudder_speed_squared(self.X, k) for k in (self.values[thrust], K_T))
+        of_rudder = {k: v * old / new for k, v in self.values.items() if k in RUDDER}
+        return dataclasses.replace(self, values={**self.values, **of_rudder})
+
+
+def rudder_speed_squared(X: np.ndarray, K_T: np.ndarray) -> np.ndarray:
+    """(u_R / u)^2 = 1 + 8 K_T / (pi J^2) + tan(beta)^2 in pure drift, Knight (2021) Eqs. 2.19-2.22.
+
+    Eq. 2.20 is printed as u_Rx = u (1 + C_T), without a root, which momentum theory has. The root
+    it is: with it our regressions of ONRT meet the printed ones to 0.0007, without it to 0.0031.
+
+    Parameters
+    ----------
+    X : numpy.ndarray
+        J [-] and beta [rad], shape (n, 2), or with the rudder angle (n, 3).
+    K_T : numpy.ndarray
+        Thrust coefficient, or K_X, shape (n,).
+    """
+    J, beta = X.T[:2]
+    return 1.0 + 8.0 * K_T / (math.pi * J**2) + np.tan(beta) ** 2
+
 
 @dataclasses.dataclass(frozen=True)
 class DataSet:
@@ -102,6 +134,13 @@ class DataSet:
     angles : tuple of float
         Rudder angles of the file that belong to the set [rad]: one, or several as a third input;
         empty where the file has no column ``delta``.
+    by_model_speed : bool
+        The fitted rudder coefficients refer to the rudder speed of the fitted thrust, as Knight
+        (2021) section 5.3.1 says of ONRT; those of the file to that of the CFD's thrust.
+    places : Path, optional
+        Where the training points lie, if their forces are not in `path`.
+    training_set : str
+        Name of the training set, where it is not the usual one of the ship.
     """
 
     name: str
@@ -118,6 +157,9 @@ class DataSet:
     coefficients: Path | None = None
     choices: tuple[tuple[str, str], ...] = ()
     angles: tuple[float, ...] = ()
+    by_model_speed: bool = False
+    places: Path | None = None
+    training_set: str = ""
 
     @property
     def sign(self) -> float:
@@ -149,7 +191,8 @@ class DataSet:
         if self.coefficients is None:
             return {}
         rows = read_csv(self.coefficients)
-        wanted = {"model": model.replace("_", " ") + (" 8" if len(self.sides) > 1 else "")}
+        count = f" {len(self.training)}" if len(self.sides) > 1 else ""
+        wanted = {"model": model.replace("_", " ") + count}
         if self.sides[side]:
             wanted["side"] = self.sides[side]
         rows = rows.where(**wanted)
@@ -159,6 +202,13 @@ class DataSet:
         if "-10K_S" in rows.columns:
             found["K_S"] = -0.1 * rows.columns["-10K_S"]
         return found
+
+    def training_places(self, side: str = SINGLE) -> Samples:
+        """Training points without values, for models of printed coefficients."""
+        if self.places is not None:
+            return samples_of(read_csv(self.places), ()).pick(self.training)
+        known = self.read(*self.choices[0], side).pick(self.training)
+        return dataclasses.replace(known, values={})
 
 
 def samples_of(rows: CsvTable, quantities, rudder: bool = False) -> Samples:
@@ -211,5 +261,15 @@ ONRT = DataSet(
     validation=(1, 2, 3, 4),
     to_port=True,
     choices=(("G2", "SA"), ("G1", "SA"), ("G2", "SST"), ("G3", "SA")),
+    by_model_speed=True,
 )
-DATA_SETS = {data.name: data for data in (KCS, ONRT)}
+# The 16-point set of ONRT: its coefficients are printed (Table B.13) and its places (Table B.1).
+ONRT_16 = dataclasses.replace(
+    ONRT,
+    name="onrt_16",
+    training=tuple(range(13, 29)),
+    choices=(("G2", "SA"),),
+    places=DATA / "onrt_points.csv",
+    training_set="16",
+)
+DATA_SETS = {data.name: data for data in (KCS, ONRT, ONRT_16)}

@@ -51,7 +51,9 @@ class BridgeView(NamedTuple):
 
 check_names("the rows of the bridge", BridgeView._fields, OBSERVATIONS)
 N_BRIDGE = len(OBSERVATIONS)
-_LOW = tuple(row.low for row in OBSERVATIONS)
+# below zero only where the scenario lets the propeller brake
+ASTERN_ROWS = ("propeller", "propeller_command")
+_LOW = tuple(-1.0 if row.name in ASTERN_ROWS else row.low for row in OBSERVATIONS)
 _HIGH = tuple(row.high for row in OBSERVATIONS)
 
 SATURATED = 0.999  # share of the largest rudder angle that counts as hard over
@@ -65,7 +67,8 @@ _COMMON_FIELDS = (
     ("speed", np.float64),  # nominal speed U0 [m/s]
     ("L", np.float64),  # length of the ship [m]
     ("n_order", np.float64),  # propeller speed without rpm control [rev/s]
-    ("n_limit", np.float64),  # what the engine can still turn [rev/s]
+    ("n_limit", np.float64),  # what the engine can still turn, either way [rev/s]
+    ("astern", np.float64),  # largest propeller speed astern with rpm control, by n_max
     ("interval", np.float64),  # control interval [full-scale s]
     ("dt", np.float64),  # the same of the ship [s]
     ("steps", np.int64),  # intervals of an episode
@@ -129,9 +132,10 @@ def clipped(value, low, high):
 
 @kernel
 def command_batch(actions, states, ships, tasks, commands, before):
-    """Actions in [-1, 1] to commands: rudder / delta_max and, if there, rpm from [0, n_max].
+    """Actions in [-1, 1] to commands: rudder / delta_max and, if there, rpm.
 
-    Keeps the states at the start of the interval in `before`. Returns how many rows are finite.
+    The latter over [-astern n_max, n_max], but no further astern than the engine goes. Keeps the
+    states at the start of the interval in `before`. Returns how many rows are finite.
     """
     good = 0
     for i in range(actions.shape[0]):
@@ -141,7 +145,9 @@ def command_batch(actions, states, ships, tasks, commands, before):
         n = tasks[i].n_order
         finite = math.isfinite(actions[i, 0])
         if actions.shape[1] > 1:
-            n = 0.5 * (clipped(actions[i, 1], -1.0, 1.0) + 1.0) * ships[i].engine.n_max
+            astern, engine = tasks[i].astern, ships[i].engine
+            share = 0.5 * (clipped(actions[i, 1], -1.0, 1.0) + 1.0) * (1.0 + astern) - astern
+            n = max(share * engine.n_max, -min(engine.n_astern, tasks[i].n_limit))
             finite = finite and math.isfinite(actions[i, 1])
         commands[i, 1] = min(n, tasks[i].n_limit)
         good += 1 if finite else 0
@@ -262,7 +268,7 @@ def account_batch(states, before, flow, ships, seas, tasks, failed, reached, res
         diverged[i] = not (good and math.isfinite(total))
         lost += 1 if diverged[i] else 0
         result.power = 0.0 if diverged[i] else shaft_power(before[i, N], flow[i, FLOW_TORQUE])
-        result.energy += result.power * task.dt
+        result.energy += max(result.power, 0.0) * task.dt  # a driven shaft gives nothing back
         failure = failed[result.outcome]
         saturated = abs(states[i, DELTA]) >= SATURATED * ships[i].gear.delta_max
         result.cost = 1.0 if saturated or failure else 0.0

@@ -151,6 +151,7 @@ def _rudder_use(trajectory: Trajectory) -> dict[str, float]:
 def _energy(trajectory: Trajectory) -> float:
     """Delivered energy per distance through the water, full scale [kWh/nmi]."""
     time = trajectory["t"]
-    work = np.trapezoid(shaft_power(trajectory["n"], trajectory["torque"]), time)
+    power = np.maximum(shaft_power(trajectory["n"], trajectory["torque"]), 0.0)  # none comes back
+    work = np.trapezoid(power, time)
     distance = np.trapezoid(np.hypot(*through_water(trajectory)), time)
     return float(work / distance) * trajectory.meta["ship"]["scale"] ** 3 * 1852.0 / 3.6e6

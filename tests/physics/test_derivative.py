@@ -73,13 +73,21 @@ def test_in_a_current_the_velocity_through_the_water_counts(psi):
 
 
 @pytest.mark.parametrize("u", [-0.5, -2.0, 0.0])
-def test_astern_only_the_race_reaches_the_rudder(u):
-    """u_R = epsilon kappa sqrt(eta 8 T / (rho pi D^2)), whatever the speed astern."""
+def test_astern_race_and_flow_from_astern_work_against_each_other(u):
+    """Squares with the signs of their velocities; at rest u_R = epsilon kappa u_s sqrt(eta)."""
     record, _ = tables_of(load_ship("kcs_model", surrogate="none"))
     k, D, thrust = record.rudder, record.propeller.D, 4.0
-    race = math.sqrt(8.0 * thrust / (record.rho * math.pi * D * D))
-    expected = k.epsilon * k.kappa * race * math.sqrt(k.eta)
-    assert axial_inflow(u, (thrust, 0.6, 0.0), record) == pytest.approx(expected, rel=1e-12)
+    race = 8.0 * thrust / (record.rho * math.pi * D * D) - u * u
+
+    def root(x):
+        return math.copysign(math.sqrt(abs(x)), x)
+
+    u_in = u + k.kappa * (root(race) - u)
+    expected = k.epsilon * root(k.eta * u_in * abs(u_in) - (1.0 - k.eta) * u * u)
+    assert axial_inflow(u, (thrust, 1.0, 0.0), record) == pytest.approx(expected, rel=1e-12)
+    if u == 0.0:
+        still = k.epsilon * k.kappa * math.sqrt(k.eta * race)
+        assert expected == pytest.approx(still, rel=1e-12)
 
 
 def test_ahead_wake_and_race_mix_by_the_height_of_the_rudder():

@@ -53,13 +53,15 @@ def test_fourth_order_in_time():
     """RK4: errors fall by 16 when the step is halved, where the right-hand side is smooth.
 
     The tables of the ships are piecewise linear, whose kinks would hide the order at this accuracy;
-    so the propeller here has a constant thrust coefficient. The next test is of the real ships.
+    so the propeller here has a constant thrust coefficient, and the engine no torque limit (the
+    torque is that of the start of the step). The next test is of the real ships.
     """
     tanker = load_ship("kvlcc2_model")
     constant = dataclasses.replace(
         tanker.open_water, values=np.full_like(tanker.open_water.values, 0.3)
     )
-    ship = dataclasses.replace(tanker, open_water=constant)
+    engine = dataclasses.replace(tanker.engine, torque_max=np.inf)
+    ship = dataclasses.replace(tanker, open_water=constant, engine=engine)
     command = np.array([[0.6, 10.0]])
     begin = ShipSim(ship, 1)
     begin.reset(0, n=10.0)

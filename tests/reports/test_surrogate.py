@@ -116,7 +116,8 @@ def test_turning_circle_of_the_trial(kcs, onrt):
     found, table = onrt
     turn = report.turning_check(load_ship("onrt_model", surrogate="none"), table, found.name)
     assert turn["delta_deg"] == -35.0 and turn["trial"]["tactical_diameter"] == 3.0
-    assert turn["measures"]["steady_diameter"] > 0.0
+    # sailed in the waves of the trial: the circle drifts
+    assert turn["measures"]["drift_distance"] > 0.05
     # a ship without trial turns with its largest angle
     bare = dataclasses.replace(load_ship("kcs_model", surrogate="none"), trials=())
     turn = report.turning_check(bare, kcs[1], "G2_SA")
@@ -141,6 +142,6 @@ def test_provenance_names_inputs_and_commit(kcs):
 
 
 def test_every_shipped_table_has_a_data_set():
-    assert {row[0] for row in report.SHIPPED} == {"kcs", "onrt"}
-    assert len(set(report.SHIPPED)) == len(report.SHIPPED) == 11
+    assert {row[0] for row in report.SHIPPED} == {"kcs", "onrt", "onrt_16"}
+    assert len(set(report.SHIPPED)) == len(report.SHIPPED) == 13
     assert read_csv(KCS.path).path.endswith("kcs_propeller_rudder_cfd.csv")

@@ -51,20 +51,43 @@ def test_printed_beaufoy_is_at_the_approach_speed(rows):
 
 
 def test_printed_mmg_is_met_within_a_tenth_at_constant_revolutions(rows):
-    """Drift and propeller speed are not printed; the gap is theirs as much as ours."""
+    """Drift (but for one turn) and the other rudder coefficients are ours, so a gap is open."""
     for key, (_, _, printed) in TABLE_1.items():
         if printed is not None:
             assert rows[key]["mmg"]["computed"] == pytest.approx(printed, rel=0.10), key
 
 
+def test_formulas_are_near_the_force_of_the_facility_they_were_tuned_to(rows):
+    """Text beside Table 1: MMG and HU's data; MARIN's and the CFD's forces are not met so well.
+
+    Theirs: 1 % at HU, 7 to 31 % elsewhere. Ours with their l_R and gamma_R: MARIN is far off, too.
+    """
+    theirs, ours = {}, {}
+    for key, (measured, _, printed) in TABLE_1.items():
+        if printed is not None:
+            theirs[key] = abs(printed / measured - 1.0)
+            ours[key] = abs(rows[key]["mmg"]["computed"] / measured - 1.0)
+    at_home = [k for k in theirs if k[0] == "HU"]
+    assert max(theirs[k] for k in at_home) < 0.01
+    assert min(theirs[k] for k in theirs if k not in at_home) > 0.07
+    assert ours["MARIN", "port", 0.26] > max(ours[k] for k in at_home)
+
+
 def test_printed_J_B_belongs_to_the_speed_at_HU_only(rows):
     for (facility, _, _), row in rows.items():
         if facility == "MARIN":
-            assert "n_of_J_B" not in row["inputs"]  # not printed
+            assert "n_of_J_B" not in row["inputs"]  # Table 6 has no MARIN
             continue
         ratio = row["inputs"]["n_of_J_B"] / row["inputs"]["n"]
         assert (ratio < 1.03) == (facility == "HU")
         assert (row["mmg"]["at_printed_J_B"] > 1.35 * row["mmg"]["computed"]) == (ratio > 1.1)
+
+
+def test_propeller_speed_is_that_of_the_printed_approach(rows):
+    """J about 0.8 at self-propulsion: our n is the printed one within its digit."""
+    for row in rows.values():
+        i = row["inputs"]
+        assert i["n"] == pytest.approx(i["n_of_J_approach"], rel=0.05)
 
 
 def test_steady_turn_is_that_of_the_turning_circle():

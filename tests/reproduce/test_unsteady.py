@@ -6,42 +6,19 @@ import numpy as np
 import pytest
 
 from reproduce.unsteady import (
-    EARLY_STOPPING,
-    NOISE,
+    NETWORKS,
     ORDERS,
     REGRESSION_ORDER,
-    behind_hull,
     compare,
     compare_seeds,
-    eq_21,
     loss,
-    motion,
+    open_water_test,
     regression_row,
-    series,
-    ship_wake,
 )
+from reproduce.unsteady_printed import TESTS
+from reproduce.unsteady_series import NOISE, behind_hull, eq_21, motion, series, ship_wake
 from ship_gym.config import ConfigError
 from ship_gym.csv_file import read_csv
-
-
-def printed_losses(path):
-    """Loss from the three printed errors, and the printed loss, by row."""
-    rows = read_csv(path)
-    errors = np.stack([rows.columns[k] for k in ("K_T", "K_S", "K_Q")], axis=1)
-    return np.array([loss(e) for e in errors]), rows.columns["loss"]
-
-
-@pytest.mark.parametrize(("path", "first"), [(EARLY_STOPPING, 1), (REGRESSION_ORDER, 0)])
-def test_printed_loss_is_half_the_sum_of_the_printed_squared_errors(path, first):
-    """This fixes what an "L2 error" of the source is; each error is printed with two digits."""
-    ours, printed = (losses[first:] for losses in printed_losses(path))
-    np.testing.assert_allclose(ours, printed, rtol=0.1)
-
-
-def test_the_first_row_of_table_3_contradicts_itself():
-    """Its errors make a loss of 6.8e-3, but 1.0e-2 is printed; the other eight rows agree."""
-    ours, printed = printed_losses(EARLY_STOPPING)
-    assert ours[0] == pytest.approx(6.8e-3, rel=0.01) and printed[0] == 1.0e-2
 
 
 def test_eq_21_at_one_point_by_hand():
@@ -86,23 +63,36 @@ def test_behind_the_hull_port_mirrors_starboard():
     assert 0.0 < there.min() and there.max() < 1.0
 
 
-def test_training_set_is_half_unsteady_half_steady_and_its_noise_is_the_documented_one():
+def test_training_set_has_the_steady_points_twenty_times_and_the_documented_noise():
+    """Section 4.1: five steady J, repeated twenty times, beside the unsteady snapshots."""
     noisy, clean = series("behind hull", "training", 5), series("behind hull", "training", 5, 0.0)
-    assert noisy.X.shape == (70, 2) and (noisy.X[35:, 1] == 0.0).all()
-    np.testing.assert_array_equal(noisy.Y[35:], clean.Y[35:])
-    assert (noisy.Y - clean.Y)[:35].std() == pytest.approx(NOISE, rel=0.2)
+    steady = noisy.X[70:]
+    assert noisy.X.shape == (170, 2) and (steady[:, 1] == 0.0).all()
+    values, counts = np.unique(steady[:, 0], return_counts=True)
+    assert values.tolist() == [0.1, 0.3, 0.5, 0.7, 0.9] and set(counts) == {20}
+    np.testing.assert_array_equal(noisy.Y[70:], clean.Y[70:])
+    assert (noisy.Y - clean.Y)[:70].std() == pytest.approx(NOISE["behind hull"], rel=0.15)
     again, other = (series("behind hull", "training", s).Y for s in (5, 6))
     np.testing.assert_array_equal(noisy.Y, again)
-    assert (noisy.Y[:35] != other[:35]).all()
+    assert (noisy.Y[:70] != other[:70]).all()
 
 
-def test_noise_is_the_one_that_the_printed_training_loss_leaves():
+def test_noise_is_the_least_printed_loss():
+    """1/2 of the sum of three variances."""
+    least = read_csv(TESTS).where(condition="behind hull").columns["loss"].min()
+    assert 1.5 * NOISE["behind hull"] ** 2 == pytest.approx(least, rel=1e-12)
+    assert 1.5 * NOISE["open water"] ** 2 == pytest.approx(3.1e-5, rel=1e-12)  # section 3.1.1
+    # the print has it below what the richest regression leaves in training, on a set whose steady
+    # half has no noise: that residual is not noise
     rows = read_csv(REGRESSION_ORDER).where(order="network")
-    assert 1.5 * NOISE**2 / 2 == pytest.approx(rows.columns["training_loss"][0], rel=1e-12)
+    assert least < rows.columns["training_loss"][0]
 
 
 def test_training_loss_falls_and_validation_loss_rises_with_the_order():
-    """Table 4 in kind, medians of ten seeds: least for second order, a thousandfold at the end."""
+    """Table 4 in kind, medians of ten seeds: a thousandfold at the end.
+
+    Not matched: third order, four times the loss of second in the print, level with it here.
+    """
     rows = {o: [] for o in ORDERS}
     for seed in range(10):
         sets = [series("behind hull", c, seed) for c in ("training", "validation")]
@@ -112,7 +102,9 @@ def test_training_loss_falls_and_validation_loss_rises_with_the_order():
         [float(np.median([r[k] for r in rows[o]])) for o in ORDERS]
         for k in ("training_loss", "loss")
     )
-    assert (np.diff(train) < 0.0).all() and (np.diff(valid) > 0.0).all()
+    assert (np.diff(train) < 0.0).all()
+    assert valid[3] > 10.0 * valid[2] > 100.0 * valid[1]
+    assert valid[1] == pytest.approx(valid[0], rel=0.1)  # the gap: fails when it closes
 
 
 def test_unknown_cases():
@@ -132,19 +124,30 @@ def test_a_short_comparison_has_every_row():
     assert stopped["loss"] == pytest.approx(loss([stopped[k] for k in ("K_T", "K_S", "K_Q")]))
 
 
-@pytest.mark.slow  # ten trainings of 5000 iterations, about 40 s
+def test_in_open_water_the_regression_comes_to_the_printed_loss():
+    """Section 3.2.2 prints 5.13e-5 (4.4e-5 by its own errors); the noise alone makes 3.1e-5."""
+    found = [open_water_test(seed, 10)["rows"]["test, second"]["loss"] for seed in range(5)]
+    assert 3.1e-5 < np.median(found) < 5.13e-5
+
+
+@pytest.mark.slow  # thirty trainings of 5000 iterations: three minutes
 def test_the_network_with_early_stopping_beats_the_second_order_on_thrust_and_torque():
-    """Tables 3 and 4 in kind, medians of ten seeds.
+    """Tables 3 and 4 and test 3 in kind, medians of ten seeds.
 
     Not matched: the side force, where the printed network is level with second order (1.9e-2
-    against 1.8e-2) and ours is twice as far off, and with it the loss.
+    against 1.8e-2) and ours is twice as far off, and with it the losses.
     """
     found = compare_seeds(range(10))
     stopped, second = found["stopping"]["stopped"], found["orders"]["second"]
     assert stopped["K_T"] < second["K_T"] and stopped["K_Q"] < second["K_Q"]
-    assert found["held"]["stopped network beats second order on K_T"] >= 0.7
-    assert found["held"]["stopped network beats second order on K_Q"] >= 0.9
+    for where in ("stopped network beats second order", "test 3: network beats second order"):
+        for name in ("K_T", "K_Q"):
+            assert found["held"][f"{where} on {name}"] >= 0.7, (where, name)
     # the side force is the documented gap: this fails when it closes, so that the text changes
-    assert stopped["K_S"] > second["K_S"]
+    assert stopped["K_S"] > 1.5 * second["K_S"]
+    # section 3.1.1: twice; the network with few features predicts alike
+    assert found["slower"] > 1.2
+    losses = [found["open_water"][f"test, {k}"]["loss"] for k in NETWORKS.values()]
+    assert losses[1] == pytest.approx(losses[0], rel=0.25)
     by_level = [found["stopping"][k]["loss"] for k in ("1.0e-03", "1.0e-04", "stopped", "end")]
     assert by_level[0] > by_level[1] > by_level[2] < by_level[3]

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from ship_gym.config import ConfigError
+from ship_gym.reports.case import sail
 from ship_gym.reports.page import Picture
 from ship_gym.ships.files import DATA
 from ship_gym.ships.loader import attach_surrogate, load_ship
@@ -53,9 +54,14 @@ def test_simulate_sails_the_trial_without_arguments(call):
     words = {
         line.rsplit("[", 1)[0].strip(): line.split("]")[-1].split() for line in out.split("\n")
     }
-    assert words["maximum transfer"] == ["3.14", "3.22", "-2.5", "%"]
-    assert words["steady diameter"] == ["2.66", "2.60", "+2.4", "%"]
-    assert words["tactical diameter"][:1] in (["3.09"], ["pass"])
+    found = sail(load_ship("kcs_model")).result
+    across, last = found.max_transfer, found.steady_diameter
+    assert words["maximum transfer"] == [
+        f"{across:.2f}", "3.22", f"{100.0 * (across / 3.22 - 1.0):+.1f}", "%"
+    ]  # fmt: skip
+    assert words["steady diameter"][:4] == [f"{last:.2f}", "2.60", "±", "0.11"]
+    assert words["steady diameter"][-1] == f"{(last / 2.602 - 1.0) / 0.041:+.1f}"
+    assert words["tactical diameter"][:1] in ([f"{found.tactical_diameter:.2f}"], ["pass"])
     assert "10.2 rev/s" in out
     assert "engine.n_max" in out  # estimated
     assert "next: ship-gym simulate" in out
@@ -75,13 +81,23 @@ def test_simulate_json_csv_and_recording(call):
     assert all(Path(path).stat().st_size > 10_000 for path in data["files"])
 
 
+def test_simulate_crash_stop(call):
+    code, out, _ = call("simulate.py", "stopping", "--ship", "kcs", "--json", "--csv", "s.csv")
+    data = json.loads(out)
+    assert code == 0
+    assert data["files"] == ["runs/stopping.png", "s.csv"] and Path("s.csv").stat().st_size > 10_000
+    assert data["imo"]["track_reach"]["limit"] == 15.0 and data["imo"]["track_reach"]["pass"]
+    assert 0.0 < data["measures"]["reversal"] < data["measures"]["time"]
+
+
 def test_simulate_all_trials(call):
     code, out, _ = call("simulate.py", "trials", "--json", "--out", "t.png")
     trials = json.loads(out)["trials"]
     assert code == 0
-    assert [t["delta_deg"] for t in trials] == [35.0, -35.0]
+    assert [t["delta_deg"] for t in trials[:2]] == [35.0, -35.0]
     assert all(t["trial_source"] and t["difference_percent"] for t in trials)
-    assert [t["files"] for t in trials] == [["t_1.png"], ["t_2.png"]]
+    assert [t["files"] for t in trials] == [[f"t_{k}.png"] for k in range(1, len(trials) + 1)]
+    assert [t["facility"] for t in trials].count("mean of 6 facilities") == 2
 
 
 @pytest.mark.parametrize(
@@ -97,6 +113,10 @@ def test_simulate_all_trials(call):
         (("--n", "99"), ("n = 99", "rev/s")),
         (("--psi", "10"), ("psi",)),
         (("trials", "--delta", "20"), ("trials", "delta")),
+        (("turning", "--order", "-5"), ("order", "crash stop")),
+        (("spiral", "--psi", "10"), ("psi", "spiral")),
+        (("stopping", "--order", "-99"), ("order", "-12 to 0")),
+        (("stopping", "--loading", "l.png"), ("loading",)),
     ],
 )
 def test_simulate_refuses_in_one_line(call, arguments, words):

@@ -380,7 +380,7 @@ def test_completion_prints_a_script(cli, shell):
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        ("ship-gym tr", ["plain,train"]),
+        ("ship-gym tra", ["plain,train"]),
         ("ship-gym train --scen", ["plain,--scenario"]),
         ("ship-gym simulate --ship kvl", ["plain,kvlcc2", "plain,kvlcc2_model"]),
         ("ship-gym evaluate --controllers il", ["plain,ilos"]),

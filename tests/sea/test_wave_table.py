@@ -131,7 +131,9 @@ def test_model_and_full_scale_drift_alike():
     """Froude: the same turn in the same waves, lengths by L and time by sqrt(L)."""
     tracks = []
     for ship in (load_ship("kcs_model"), load_ship("kcs")):
-        ship = dataclasses.replace(ship, hull=dataclasses.replace(ship.hull, R_0=0.0183))
+        hull = dataclasses.replace(ship.hull, R_0=0.0183)  # no scale effect of friction and wake
+        propeller = dataclasses.replace(ship.propeller, w_P0=0.353)
+        ship = dataclasses.replace(ship, hull=hull, propeller=propeller)
         sea = regular_sea(0.008 * ship.hull.L, wavelength=ship.hull.L, direction_from=1.0)
         sim = ShipSim(ship, 1, sea)
         unit = math.sqrt(ship.hull.L / 230.0)

@@ -43,23 +43,33 @@ def test_hull_variants_are_the_published_sets():
     assert (c.variant, c.hull.Y_r) == ("C", 0.0306)
 
 
-def test_the_surrogate_replaces_the_law_by_the_one_fitted_with_it():
-    ship, bare = load_ship("kcs_model"), load_ship("kcs_model", surrogate="none")
+@pytest.mark.parametrize("variant", [None, "hull_a", "hull_c"])
+def test_a_ship_with_a_captive_set_keeps_it_whole_beside_a_surrogate(variant):
+    ship = load_ship("kcs_model", variant=variant)
+    assert ship.rudder == load_ship("kcs_model", variant=variant, surrogate="none").rudder
+    assert ship.surrogate.card["anchored"] and ship.rudder.t_R > 0.2
+    assert ship.surrogate.card["domain"]["S_R"] == 0.0096  # the samples' area, of every set
+
+
+def test_a_ship_with_estimates_takes_the_law_that_was_fitted_with_the_surrogate():
+    ship, bare = load_ship("onrt_model"), load_ship("onrt_model", surrogate="none")
     law = ship.surrogate.card["effective_inflow"]
     assert ship.rudder.epsilon == law["epsilon"] != bare.rudder.epsilon
-    assert ship.rudder.t_R == 0.0
-    # the samples are of starboard turns; the port side keeps the ship's own ratio
-    ratio = bare.rudder.gamma_R_n / bare.rudder.gamma_R_p
-    assert ship.rudder.gamma_R_n == pytest.approx(law["gamma_R"]["single"] * ratio)
+    assert (ship.rudder.gamma_R_p, ship.rudder.gamma_R_n) == tuple(law["gamma_R"].values())
+    assert ship.rudder.t_R == 0.0 and not ship.surrogate.card["anchored"]
     assert "CFD samples" in ship.sources["rudder.kappa"]
 
 
-@pytest.mark.parametrize("variant", ["hull_a", "hull_c"])
-def test_a_surrogate_brings_its_own_rudder_to_every_hull_set(variant):
-    base, other = load_ship("kcs_model"), load_ship("kcs_model", variant=variant)
-    for name in ("A_R", "f_alpha", "eta", "epsilon", "kappa", "gamma_R_p"):
-        assert getattr(other.rudder, name) == getattr(base.rudder, name)
-    assert other.hull != base.hull
+def test_one_estimate_is_enough_to_take_the_fitted_law():
+    """A single rudder keeps the ship's own ratio to port: the samples are of starboard turns."""
+    bare = load_ship("kcs_model", surrogate="none")
+    table = load_ship("kcs_model").surrogate
+    doubted = dataclasses.replace(bare, estimated={"rudder.kappa": "a guess"})
+    ship, law = attach_surrogate(doubted, table, "own"), table.card["effective_inflow"]
+    assert (ship.rudder.kappa, ship.rudder.t_R) == (law["kappa"], 0.0)
+    ratio = bare.rudder.gamma_R_n / bare.rudder.gamma_R_p
+    assert ship.rudder.gamma_R_n == pytest.approx(law["gamma_R"]["single"] * ratio)
+    assert not ship.surrogate.card["anchored"]
 
 
 def test_a_table_of_the_model_fits_the_full_scale_ship_and_no_other():
@@ -91,7 +101,8 @@ def test_unknown_names(call, word):
 def test_surrogates_of_every_ship():
     fitted = ["G1_SA", "G2_SA", "G2_SST", "G3_SA", "gp", "nn"]
     assert available_surrogates("kcs") == ["none", "beaufoy", *fitted]
-    assert available_surrogates("onrt") == ["none", "G2_SA", "G2_SST", "G3_SA", "gp", "nn"]
+    onrt = ["none", "G1_SA", "G2_SA", "G2_SA_16", "G2_SST", "G3_SA", "gp", "nn"]
+    assert available_surrogates("onrt") == onrt
     assert available_surrogates("kvlcc2") == ["none", "beaufoy"]
 
 
@@ -139,8 +150,8 @@ def own_ship(tmp_path):
 def test_a_ship_file_from_outside_the_package(own_ship):
     ship = load_ship(str(own_ship))
     assert ship.hull == load_ship("kvlcc2_model").hull and ship.name == "mine"
-    own_ship.write_text(own_ship.read_text().replace("R_0 = 0.022", "R_0 = 0.044"))
-    assert load_ship(str(own_ship)).hull.R_0 == 0.044  # an edited file is read again
+    own_ship.write_text(own_ship.read_text().replace("m_y = 0.223", "m_y = 0.300"))
+    assert load_ship(str(own_ship)).hull.m_y == 0.300  # an edited file is read again
     renamed = own_ship.rename(own_ship.with_name("tanker.toml"))
     assert load_ship(str(renamed)).name == "tanker"
 
@@ -148,10 +159,10 @@ def test_a_ship_file_from_outside_the_package(own_ship):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("R_0 = 0.022", "R_O = 0.022", ["hull.'R_O'", "R_0"]),
-        ("R_0 = 0.022\n", "", ["missing key hull.'R_0'"]),
-        ("R_0 = 0.022", "R_0 = inf", ["hull.R_0"]),
-        ("R_0 = 0.022", "R_0 = true", ["hull.R_0"]),
+        ("m_y = 0.223", "m_Y = 0.223", ["hull.'m_Y'", "m_y"]),
+        ("m_y = 0.223\n", "", ["missing key hull.'m_y'"]),
+        ("m_y = 0.223", "m_y = inf", ["hull.m_y"]),
+        ("m_y = 0.223", "m_y = true", ["hull.m_y"]),
         ('value = 35.0, unit = "deg"', 'value = 35.0, unit = "rad"', ["looks like degrees"]),
         ('value = 7.00, unit = "m"', 'value = 7.00, unit = "kg"', ["hull.L", "allowed is m"]),
         ('value = 3.27, unit = "m3"', 'value = 32.7, unit = "m3"', ["block coefficient"]),

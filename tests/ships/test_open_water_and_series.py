@@ -47,9 +47,7 @@ def test_kvlcc2_thrust_is_the_printed_polynomial():
 def test_stopped_propeller_and_stopped_ship_are_ordinary_points(ship):
     values = ship.open_water.values
     assert np.isfinite(values).all()
-    bollard, idle = ship.open_water(0.0), ship.open_water(math.pi / 2)
-    assert bollard[0] > 0.0
-    np.testing.assert_allclose(idle, 0.0, atol=1e-3)
+    assert ship.open_water(0.0)[0] > 0.0 > ship.open_water(math.pi / 2)[0]
 
 
 def test_tangents_continue_the_polynomial():

@@ -47,7 +47,7 @@ def test_another_normalisation_of_the_rudder_is_warned_of(data, choice, factor):
     ship, rudders = read(data, choice)
     (warning,) = unusual_sizes(data, ship, [times(s, factor, "C_Fx", "C_Fy") for s in rudders])
     assert str(data.path) in warning and "C_Fx, C_Fy: normal force" in warning
-    assert f"A_R = {ship.rudder.A_R:.4g} m2, usual is 0.35 to 1.1" in warning
+    assert f"A_R = {ship.rudder.A_R:.4g} m2, usual is 0.35 to 1.27" in warning
 
 
 @every_set

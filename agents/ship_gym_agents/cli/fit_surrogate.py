@@ -30,7 +30,7 @@ ship_gym/surrogates/data/kcs_propeller_rudder_cfd.csv
     "--install          # make the shipped tables again",
     notes=_COLUMNS,
 )
-@click.option("--data", help="Project data set: kcs (default) or onrt.")
+@click.option("--data", help="Project data set: kcs (default), onrt or onrt_16.")
 @click.option("--samples", type=click.Path(path_type=Path), help="Your own samples instead (csv).")
 @ship("kcs_model, of --samples")
 @click.option(

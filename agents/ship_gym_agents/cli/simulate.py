@@ -15,6 +15,11 @@ _OPTIONS = (
     *("delta_deg", "psi_deg", "speed", "n"),
     *("sea", "wave_height", "wavelength", "wave_from_deg"),
 )
+# what a captive test does not take: the ship is towed in calm water, and does not sail a course
+_SAILED = (
+    *("delta_deg", "psi_deg", "order", "wave_height", "wavelength", "wave_from_deg"),
+    *("loading", "csv", "rrd"),
+)
 _LOADING_COLOUR = {"turning_circle": "t", "zigzag": "delta"}
 
 
@@ -24,19 +29,28 @@ _LOADING_COLOUR = {"turning_circle": "t", "zigzag": "delta"}
     "trials --ship kvlcc2_model        # every measured manoeuvre",
     "turning --ship kcs --n 1.5 --sea current --csv runs/turn.csv",
     "--ship kcs --sea ss5 --wave-from 45",
+    "stopping --ship kvlcc2             # crash stop beside IMO's limit",
+    "spiral --ship kvlcc2_model         # loop width, neutral rudder angle",
     "--ship dtc_model --speed 1.48 --n 15.7 \\\n"
     "      --wave-height 0.112 --wavelength 1.0          # regular waves, beside calm water",
+    "captive --ship kvlcc2_model --test drift   # towed: forces of an imposed motion",
+    "captive --ship kvlcc2_model --measured tank/pure_yaw.csv",
 )
-@click.argument("what", default="turning", metavar="[turning|zigzag|trials]")
+@click.argument(
+    "what",
+    default="turning",
+    metavar="[turning|zigzag|trials|captive|stopping|coasting|acceleration|pull_out|spiral]",
+)
 @ship(default="kcs_model")
 @click.option("--surrogate", help="Propeller and rudder, e.g. G2_SA or none (MMG rudder).")
 @click.option("--variant", help="Other published hull set, e.g. hull_a.")
-@click.option("--delta", "delta_deg", type=Number(unit="deg"), help="Rudder [deg]; 35, zig-zag 10.")
+@click.option("--delta", "delta_deg", type=Number(unit="deg"), help="Rudder [deg]; turning 35.")
 @click.option("--psi", "psi_deg", type=Number(unit="deg"), help="Zig-zag heading [deg].")
 @click.option("--speed", type=Number(unit="m/s"), help="Approach [m/s]; default: the ship's.")
 @click.option(
     "--n", type=Number(unit="rev/s"), help="[rev/s]; default: the trial's, else self-propulsion."
 )
+@click.option("--order", type=Number(unit="rev/s"), help="Astern, of a stop; default: the most.")
 @click.option("--sea", type=Name("seas"), default="calm", help="calm, current, ss2 to ss8, ...")
 @click.option("--wave-height", type=Number(unit="m"), help="Of a regular wave, 2 x amplitude [m].")
 @click.option("--wavelength", type=Number(unit="L"), help="Of a regular wave [ship lengths].")
@@ -46,22 +60,69 @@ _LOADING_COLOUR = {"turning_circle": "t", "zigzag": "delta"}
     type=Number(unit="deg"),
     help="Where waves come from [deg]; 0 is north.",
 )
-@out(".png", "Picture; default: runs/turning_circle.png or runs/zigzag.png.")
+@click.option("--test", help="Captive: drift, rudder, yaw, yaw_drift; default: all of them.")
+@click.option(
+    "--measured", type=click.Path(), help="Captive: CSV file of measured runs, to repeat."
+)
+@out(".png", "Picture; default: runs/ and the manoeuvre's name.")
 @out(".png", "Also draw the propeller loading t'-q'-n'.", "--loading")
 @out(".csv", "Also write the time history.", "--csv")
 @out(".rrd", "Also write a rerun recording.", "--rrd")
 def command(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, **options) -> None:
-    """Sail a turning circle, a zig-zag or all trials of a ship.
+    """Sail a standard manoeuvre or all trials of a ship.
 
-    Prints measures beside the trial and the IMO limits, and draws a picture; trials are all of the
-    ship file, sailed as measured. Angles are in degrees, positive to starboard.
+    Turning circle, zig-zag, crash stop, coasting, acceleration, pull-out or direct spiral. Prints
+    measures beside the trial and the IMO limits, and draws a picture; trials are all of the ship
+    file, sailed as measured. captive tows the ship as a tank does and prints its forces beside
+    those of a file. Angles are in degrees, positive to starboard.
     """
+    from ship_gym.reports.handling import KINDS
+
+    if what in KINDS:
+        files = {"out": out, "loading": loading, "csv": csv, "rrd": rrd}
+        return _handling(as_json, what, ship, (surrogate, variant), files, options)
+    return _turns(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, options)
+
+
+def _handling(as_json, what, ship, sets, files, options) -> None:
+    """Sail, print and draw one of ``reports.handling.KINDS``."""
+    from ship_gym.plotting.handling import plot_handling
+    from ship_gym.reports import handling
+    from ship_gym.ships.loader import load_ship
+    from ship_gym_agents.cli.output import need, show
+
+    need("matplotlib", *(["rerun"] if files["rrd"] else []))
+    for name in ("psi_deg", "test", "measured"):
+        _refuse_given(name, options.pop(name), f"it is not of {what}")
+    _refuse_given("loading", files["loading"], f"it is not of {what}")
+    vessel = load_ship(ship, surrogate=sets[0], variant=sets[1])
+    case = handling.sail_handling(vessel, what, **options)
+    history = case.result.trajectory
+    jobs = (
+        (files["out"] or Path("runs") / f"{what}.png", lambda path: plot_handling(case, path)),
+        (files["csv"], history.to_csv),
+        (files["rrd"], history.to_rrd),
+    )
+    written = [(path, job) for path, job in jobs if path]
+    for path, job in written:
+        job(path)
+    names = [str(path) for path, _ in written]
+    show(as_json, handling.as_dict(case) | {"files": names}, handling.as_text(case, names, ship))
+
+
+def _turns(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, options) -> None:
+    """Sail, print and draw turning circle, zig-zag or trials."""
     from ship_gym.reports import manoeuvre as report
     from ship_gym_agents.cli.output import check_different, need, progress, show
 
     need("matplotlib", *(["rerun"] if rrd else []))
     check_different(out=out, loading=loading)
     extras = {"loading": loading, "csv": csv, "rrd": rrd}
+    captive = {key: options.pop(key) for key in ("test", "measured")}
+    if what == "captive":
+        return _captive(as_json, ship, surrogate, variant, out, options | extras, captive)
+    for name, value in captive.items():
+        _refuse_given(name, value, "belongs to captive")
     cases, files = [], []
     jobs = _jobs(what, ship, surrogate, variant, options)
     for k, job in enumerate(progress(jobs, "sailing"), start=1):
@@ -72,13 +133,35 @@ def command(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, **o
     show(as_json, data, report.all_as_text(cases, files, ship))
 
 
+def _refuse_given(name: str, value: Any, why: str) -> None:
+    """Refuse an option that was given where it means nothing."""
+    from ship_gym.config import ConfigError
+
+    if value is not None:
+        raise ConfigError(f"{name.removesuffix('_deg')}: {why}; leave it out")
+
+
+def _captive(as_json, ship, surrogate, variant, out, options: dict, own: dict) -> None:
+    """Tow instead of sail."""
+    from ship_gym.ships.loader import load_ship
+    from ship_gym_agents.cli.captive import captive
+
+    for name in _SAILED:
+        _refuse_given(name, options[name], "a captive test is towed in calm water, along no track")
+    _refuse_given("sea", None if options["sea"] == "calm" else options["sea"], "captive is calm")
+    vessel = load_ship(ship, surrogate=surrogate, variant=variant)
+    captive(as_json, vessel, speed=options["speed"], n=options["n"], out=out, **own)
+
+
 def _jobs(what: str, ship: str, surrogate: str | None, variant: str | None, options: dict) -> list:
     """What is to be sailed, each as a function without arguments."""
     from ship_gym.config import ConfigError, check_known
     from ship_gym.reports.case import MANOEUVRES, sail, sail_trial, trials
+    from ship_gym.reports.handling import KINDS
     from ship_gym.ships.loader import load_ship
 
-    check_known("manoeuvre", what, [*MANOEUVRES, "trials"])
+    check_known("manoeuvre", what, [*MANOEUVRES, "trials", "captive", *KINDS])
+    _refuse_given("order", options.pop("order"), "it is of a crash stop")
     vessel = load_ship(ship, surrogate=surrogate, variant=variant)
     if what != "trials":
         return [lambda: sail(vessel, what, **options)]

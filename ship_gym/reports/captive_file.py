@@ -1,0 +1,138 @@
+"""Measured captive tests: our own CSV form, and the files of HMRI's tests of KVLCC2."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ship_gym.captive import AXES, PARTS, Condition
+from ship_gym.config import ConfigError, check_number, read_text
+from ship_gym.csv_file import read_csv
+from ship_gym.ships.particulars import Ship
+
+_NEEDED = ("speed", "n")
+_MOTIONS = ("beta", "delta", "yaw_rate", "frequency")
+FORCES = (*AXES, *(f"{axis}_{part}" for axis in AXES for part in PARTS))
+# what HMRI's files call them; forces follow by rule
+_HMRI_NAMES = {"rps": "n", "r": "yaw_rate", "freq.": "frequency", "freq": "frequency"}
+_HMRI_LENGTH = 320.0 / 46.426  # [m]
+
+
+@dataclasses.dataclass(frozen=True)
+class Measured:
+    """One measured run at the scale of the ship, and its coefficients by 1/2 rho L d U^2.
+
+    Attributes
+    ----------
+    condition : captive.Condition
+    values : dict
+        Names of `FORCES` to what was measured, as `captive.measure` gives them.
+    """
+
+    condition: Condition
+    values: dict[str, float]
+
+
+def read_measured(path: str | Path, ship: Ship) -> list[Measured]:
+    """Measured runs of a file, moved to the scale of a ship by Froude's law.
+
+    Our own form starts as every data file does (``csv_file.read_csv``) and may have a line
+    ``# length: 6.893``, the model's own [m]. Its columns are ``speed [m/s]`` and ``n [rev/s]``,
+    the motion (``beta [deg]``, ``delta [deg]``, ``yaw_rate [-]``, ``frequency [1/s]``; one that is
+    not there is zero) and coefficients by 1/2 rho L d U^2, moments by that times L: ``X [-]``,
+    ``Y [-]``, ``N [-]``, thrust ``T [-]``, or their harmonics (``Y_out [-]``), signs as here. A
+    file of HMRI's captive tests (SIMMAN 2014) is known by its first line.
+
+    Raises
+    ------
+    ConfigError
+        Unknown column, one that is missing, or a value out of range; with file and line.
+    """
+    text = read_text(path)
+    hmri = "captive tests in deep water at HMRI" in text.partition("\n")[0]
+    length, rows = _hmri(path, text, ship) if hmri else _own(path, ship)
+    root = math.sqrt(ship.hull.L / length)
+    return [_measured(path, line, row, root) for line, row in rows]
+
+
+def _measured(path: str | Path, line: int, row: Mapping[str, float], root: float) -> Measured:
+    """One run from its columns in SI; `root` is that of the ratio of lengths, ship by model."""
+    motion = {key: row.get(key, 0.0) for key in ("beta", "delta", "yaw_rate")}
+    omega = 2.0 * math.pi * row.get("frequency", 0.0) / root
+    try:
+        run = Condition(row["speed"] * root, row["n"] / root, omega=omega, **motion)
+    except ConfigError as error:
+        raise ConfigError(f"{path}:{line}: {error}") from None
+    return Measured(run, {key: row[key] for key in FORCES if key in row})
+
+
+def _own(path: str | Path, ship: Ship) -> tuple[float, list[tuple[int, dict[str, float]]]]:
+    """Length of the model and rows of a file of our own form."""
+    data = read_csv(path).require(*_NEEDED)
+    given = [name for name in data.columns if name in data.units]
+    for name in given:
+        if name not in (*_NEEDED, *_MOTIONS, *FORCES):
+            allowed = ", ".join((*_NEEDED, *_MOTIONS))
+            raise ConfigError(
+                f"{path}: unknown column {name!r}; allowed are {allowed}, X, Y_out, ..."
+            )
+    if not any(name in FORCES for name in given):
+        raise ConfigError(f"{path}: no column of a force, as in 'Y [-]'")
+    length = data.number("length") if "length" in data.header else ship.hull.L
+    length = check_number(f"{path}: length", length, 0.1, 1000.0, "m")
+    plain = ("frequency",)  # 1/s is no unit of a ship file
+    columns = {n: data.columns[n] if n in plain else data.si(n) for n in given}
+    return length, _as_rows(data.rows, columns)
+
+
+def _hmri(path: str | Path, text: str, ship: Ship) -> tuple[float, list[tuple[int, dict]]]:
+    """Length of the model and rows of a file of HMRI.
+
+    There coefficients are by 1/2 rho L^2 U^2 and the rudder's positive angle turns to port. The
+    means over a period are left out: they are some forty times smaller than those of static tests.
+    The files do not say about which point the moment is; midship is taken, as static drift at 4 to
+    9 deg fits best. Their model has k_zz 0.253 L, the ship file 0.25 L.
+    """
+    lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line[:1] not in ("#", "")]
+    cells = [line.split(",") for _, line in lines]
+    if len(cells) < 2:
+        raise ConfigError(f"{path}: needs a row of column names and at least one of numbers")
+    titles = [_hmri_name(cell) for cell in cells[0]]
+    for (k, _), row in zip(lines, cells, strict=True):
+        if len(row) != len(titles):
+            raise ConfigError(f"{path}:{k}: {len(row)} cells, but {len(titles)} columns")
+    try:
+        table = np.array(cells[1:], dtype=float)
+    except ValueError as error:
+        raise ConfigError(f"{path}: {error}") from None
+    columns = dict(zip(titles, table.T, strict=True))
+    for name in _NEEDED:
+        if name not in columns:
+            raise ConfigError(f"{path}: no column {name!r}: no captive test")
+    for name in columns:
+        if name in FORCES:
+            columns[name] = columns[name] * ship.hull.L / ship.hull.d
+    for name, sign in (("beta", 1.0), ("delta", -1.0)):
+        if name in columns:
+            columns[name] = np.radians(sign * columns[name]) + 0.0  # never -0
+    kept = {name: v for name, v in columns.items() if not name.endswith("_mean")}
+    return _HMRI_LENGTH, _as_rows(np.array([k for k, _ in lines[1:]]), kept)
+
+
+def _hmri_name(title: str) -> str:
+    """A column of HMRI under the name it has here; ``RX`` and ``RY``, of the rudder, stay."""
+    name = title.strip().removesuffix("'").partition("(")[0]
+    if name in FORCES or name == "TX":
+        return "T" if name == "TX" else name
+    return _HMRI_NAMES.get(name.lower(), name.lower())
+
+
+def _as_rows(lines: np.ndarray, columns: Mapping[str, np.ndarray]) -> list[tuple[int, dict]]:
+    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+    return [
+        (int(k), dict(zip(columns, row, strict=True))) for k, row in zip(lines, rows, strict=True)
+    ]
