@@ -146,7 +146,7 @@ def table_of_angles(fits: tuple[Fit, ...], ship: Named | Ship) -> Table:
     ]
     title = f"{fits[0].data.name}: propeller and rudder behind the hull, rudder "
     title += f"{_degrees(angles)}, surrogate {fits[-1].name}"
-    card = {**last.card, "title": title, "planes": planes, "anchored": False}
+    card = {**last.card, "title": title, "planes": planes}
     return Table((axis, *last.axes), last.names, values, card)
 
 
