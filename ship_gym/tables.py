@@ -46,12 +46,12 @@ class Axis:
 
 @dataclasses.dataclass(frozen=True)
 class Table:
-    """Values on the product of one or two regular axes.
+    """Values on the product of one to three regular axes.
 
     Attributes
     ----------
     axes : tuple of Axis
-        One or two axes.
+        One to three axes.
     names : tuple of str
         Name of each quantity, in the order of the last dimension of `values`.
     values : numpy.ndarray
@@ -105,12 +105,14 @@ class Table:
         cells = [
             _cell(axis, np.asarray(p, float)) for axis, p in zip(self.axes, points, strict=True)
         ]
-        i, w = cells[0]
-        if len(cells) == 1:
-            return (1.0 - w) * self.values[i] + w * self.values[i + 1]
-        j, q = cells[1]
-        low = (1.0 - q) * self.values[i, j] + q * self.values[i, j + 1]
-        high = (1.0 - q) * self.values[i + 1, j] + q * self.values[i + 1, j + 1]
+        return self._between(cells)
+
+    def _between(self, cells, *corner: np.ndarray) -> np.ndarray:
+        """Interpolate along the first of the remaining axes, whose cells are given."""
+        if not cells:
+            return self.values[corner]
+        (i, w), *rest = cells
+        low, high = (self._between(rest, *corner, end) for end in (i, i + 1))
         return (1.0 - w) * low + w * high
 
     def channel(self, name: str) -> int:

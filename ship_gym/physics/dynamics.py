@@ -121,8 +121,9 @@ def flow_of(motion, controls, units, ship):
     J, share = advance_ratio(u, n, D), 0.5 if y_P > 0.0 else 1.0
     beta_P, beta_R = share * (S.beta_P + P.beta_P), share * (S.beta_R + P.beta_R)
     outside = extrapolation(J, beta_P, beta_R, delta, ship.surrogate)
-    J_S = advance_ratio(u - y_P * r, n, D)
-    J_P = advance_ratio(u + y_P * r, n, D) if y_P > 0.0 else 0.0
+    J_S, J_P = J, 0.0
+    if y_P > 0.0:
+        J_S, J_P = advance_ratio(u - y_P * r, n, D), advance_ratio(u + y_P * r, n, D)
     return Flow(
         J, beta_P, beta_R, S.thrust + P.thrust, S.torque + P.torque, S.F_N + P.F_N, outside,
         J_S, S.beta_P, S.beta_R, S.thrust, S.torque, S.F_N,

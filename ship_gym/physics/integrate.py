@@ -6,15 +6,8 @@ import math
 
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.actuators import engine_after, rudder_after
-from ship_gym.physics.dynamics import accelerations, flow_of, own_forces, total, water_velocity
+from ship_gym.physics.dynamics import accelerations, own_forces, total, water_velocity
 from ship_gym.physics.quantities import Body, Controls, Motion, State
-
-
-@kernel
-def through_water(body, sea):
-    """Velocities of a body through the water, a Motion."""
-    u_c, v_c = water_velocity(body.psi, sea)
-    return Motion(body.u - u_c, body.v - v_c, body.r)
 
 
 @kernel
@@ -62,7 +55,7 @@ def body_of(state):
 
 @kernel
 def runge_kutta_4(state, command, load, dt, ship, sea, tables):
-    """State after `dt` [s], and the ship's own forces and flow at its start.
+    """State after `dt` [s], and the ship's own forces and the loading of its units at its start.
 
     Parameters
     ----------
@@ -73,10 +66,9 @@ def runge_kutta_4(state, command, load, dt, ship, sea, tables):
         Held during the step.
     """
     body, delta, n = body_of(state), state.delta, state.n
-    start = Controls(delta, n)
-    k1, own, units = derivative(body, start, load, ship, sea, tables)
-    flow = flow_of(through_water(body, sea), start, units, ship)
-    torque = 0.5 * flow.torque if ship.propeller.y_P > 0.0 else flow.torque  # of each shaft
+    k1, own, units = derivative(body, Controls(delta, n), load, ship, sea, tables)
+    torque = units.starboard.torque + units.port.torque
+    torque = 0.5 * torque if ship.propeller.y_P > 0.0 else torque  # of each shaft
     h, gear, engine = 0.5 * dt, ship.gear, ship.engine
     middle = Controls(
         rudder_after(delta, command.delta, h, gear), engine_after(n, command.n, torque, h, engine)
@@ -99,4 +91,4 @@ def runge_kutta_4(state, command, load, dt, ship, sea, tables):
         delta=end.delta,
         n=end.n,
     )
-    return new, own, flow
+    return new, own, units

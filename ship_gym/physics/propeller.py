@@ -4,7 +4,8 @@ The surrogate of Knight (2021), PhD thesis, University of Michigan, section 3.2,
 angle (35 deg). Straight ahead the propeller is its open-water curve in the wake; between, the two
 are blended with the square of the rudder angle (our choice, physics of neither source). Where that
 curve is measured, the surrogate has been shifted to it (``records.anchored``), so the blend alone
-takes no thrust away.
+takes no thrust away. A user's surrogate may know several angles: between them its coefficients are
+linear in the angle.
 
 Open water holds for all four quadrants, the surrogate ahead only (its table ends at J > 0).
 Assumed, measured for none of these ships: going astern the propeller meets undisturbed water (no
@@ -92,18 +93,58 @@ def advance_angle(u, n, D):
 
 
 @kernel
+def surrogate_plane(delta, surrogate, table):
+    """Plane of the trained rudder angle at or below one [rad], and the weight of the next.
+
+    A table (count, count, channels) knows one angle, (planes, count, count, channels) several;
+    numba compiles each case by itself (``ndim`` is a constant to it), so one costs nothing more.
+    """
+    if table.ndim == 3:
+        return 0, 0.0
+    return cell(abs(delta), surrogate.delta, surrogate.delta_step, table.shape[0])
+
+
+@kernel
 def surrogate_cell(epsilon, beta, surrogate, table):
     """Cell of the surrogate's table at advance angle and drift, both [rad]."""
-    i, w = cell(epsilon, surrogate.epsilon_start, surrogate.epsilon_step, table.shape[0])
-    j, q = cell(beta, surrogate.beta_start, surrogate.beta_step, table.shape[1])
+    i, w = cell(epsilon, surrogate.epsilon_start, surrogate.epsilon_step, table.shape[-3])
+    j, q = cell(beta, surrogate.beta_start, surrogate.beta_step, table.shape[-2])
     return i, w, j, q
 
 
 @kernel
-def sampled(table, at, channel, z):
-    """Value of a surrogate's channel, moved by z of its standard deviations."""
+def of_plane(table, at, channel, z):
+    """Value of a channel at one trained rudder angle, moved by z of its standard deviations."""
     value = bilinear(table, at, channel)
     return value + z * bilinear(table, at, STD + channel) if z != 0.0 else value
+
+
+@kernel
+def sampled(table, at, plane, channel, z):
+    """Value of a surrogate's channel, moved by z; linear between two trained rudder angles."""
+    if table.ndim == 3:
+        return of_plane(table, at, channel, z)
+    k, weight = plane
+    low = of_plane(table[k], at, channel, z)
+    return low + weight * (of_plane(table[k + 1], at, channel, z) - low)
+
+
+@kernel
+def trusted(table, at):
+    """Share in which the surrogate is trusted, the same at all trained rudder angles."""
+    if table.ndim == 3:
+        return bilinear(table, at, TRUST)
+    return bilinear(table[0], at, TRUST)
+
+
+@kernel
+def trained_direction(delta, side, surrogate, table):
+    """Sine and cosine of the rudder angle nearest to `delta` at which the surrogate is trained."""
+    if table.ndim == 3:
+        return side * surrogate.sin_delta, surrogate.cos_delta
+    largest = surrogate.delta + (table.shape[0] - 1) * surrogate.delta_step
+    angle = min(max(abs(delta), surrogate.delta), largest)
+    return side * math.sin(angle), math.cos(angle)
 
 
 @kernel
@@ -114,7 +155,10 @@ def surrogate_of(side, tables):
 
 @kernel
 def surrogate_blend(delta, surrogate):
-    """Share of the deflected surrogate, (delta / trained angle)^2 up to 1, and the turn's side."""
+    """Share of the deflected surrogate, (delta / trained angle)^2 up to 1, and the turn's side.
+
+    Of several trained angles the smallest; from there on the surrogate knows the rudder angle.
+    """
     if surrogate.delta <= 0.0:
         return 0.0, 1.0
     s = delta / surrogate.delta
@@ -183,13 +227,14 @@ def propeller_forces(motion, controls, inflow, ship, tables):
     blend, side = surrogate_blend(delta, box)
     if blend > 0.0:
         table = surrogate_of(side, tables)
+        plane = surrogate_plane(delta, box, table)
         at = surrogate_cell(epsilon, side * beta_P, box, table)
         q = advance_pressure(u, n, p, ship.rho)
-        share = blend * bilinear(table, at, TRUST)
-        T += share * (q * sampled(table, at, C_T, box.z_T) - T)
-        Q += share * (q * p.D * sampled(table, at, C_Q, box.z_Q) - Q)
+        share = blend * trusted(table, at)
+        T += share * (q * sampled(table, at, plane, C_T, box.z_T) - T)
+        Q += share * (q * p.D * sampled(table, at, plane, C_Q, box.z_Q) - Q)
         # the table's side force is to port
-        S = -side * share * q * sampled(table, at, C_S, box.z_S)
+        S = -side * share * q * sampled(table, at, plane, C_S, box.z_S)
     X = (1.0 - p.t_P) * T
     force = Force(X, S, p.x_P * S - p.y_P * X)
     return force, Race(T, ratio, Q), (epsilon, beta_P)

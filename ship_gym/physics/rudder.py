@@ -10,15 +10,16 @@ from __future__ import annotations
 import math
 
 from ship_gym.physics._kernel import kernel
-from ship_gym.physics.interpolate import bilinear
 from ship_gym.physics.propeller import (
     C_A,
     C_N,
-    TRUST,
     sampled,
     surrogate_blend,
     surrogate_cell,
     surrogate_of,
+    surrogate_plane,
+    trained_direction,
+    trusted,
 )
 from ship_gym.physics.quantities import Force
 
@@ -204,18 +205,19 @@ def rudder_on_plate(motion, delta, inflow, wash, ship, tables):
     doubt = box.z_N * box.law_std  # a draw moves the law too, by what such a law misses samples
     if blend <= 0.0:
         return F_N * (1.0 + doubt), 0.0, beta_R
-    trained = (side * box.sin_delta, box.cos_delta)
+    table = surrogate_of(side, tables)
+    plane = surrogate_plane(delta, box, table)
+    trained = trained_direction(delta, side, box, table)
     mirror = 1.0 if k.y_R > 0.0 else side
     v_R = cross_inflow(v_g, U, u_R, mirror, k) + v_3
     law = normal_force(trained, u_R, v_R, k, ship.rho)
-    table = surrogate_of(side, tables)
     at = surrogate_cell(epsilon, side * beta_R, box, table)
     q = race_speed_squared(u, race.thrust, ship.propeller.D, ship.rho) + v_local * v_local
     q *= 0.5 * ship.rho * box.S_R
-    share = blend * bilinear(table, at, TRUST)
+    share = blend * trusted(table, at)
     F_N *= 1.0 + doubt * (1.0 - share)
-    F_N += share * (side * q * sampled(table, at, C_N, box.z_N) - law)
-    return F_N, share * q * sampled(table, at, C_A, box.z_A), beta_R
+    F_N += share * (side * q * sampled(table, at, plane, C_N, box.z_N) - law)
+    return F_N, share * q * sampled(table, at, plane, C_A, box.z_A), beta_R
 
 
 @kernel

@@ -8,9 +8,9 @@ from typing import NamedTuple
 from ship_gym.conventions import DELTA, FORCE_COMPONENTS, PSI, N, R, U, V, X, Y
 from ship_gym.physics._kernel import batch, kernel, prange
 from ship_gym.physics.disturbance import disturbance_forces
-from ship_gym.physics.dynamics import OwnForces, total, vary_current, water_velocity
+from ship_gym.physics.dynamics import OwnForces, flow_of, total, vary_current, water_velocity
 from ship_gym.physics.integrate import body_of, runge_kutta_4
-from ship_gym.physics.quantities import Around, Controls, Force, State, Tables
+from ship_gym.physics.quantities import Around, Controls, Force, Motion, State, Tables
 from ship_gym.physics.waves import (
     WAVE_EXTRAPOLATION,
     WAVE_N,
@@ -99,7 +99,10 @@ def step_one(state, command, clock, ship, sea, tables, around, met):
     time, dt, steps = clock
     vary_current(time, sea)
     held = held_loads(time, dt, body_of(state), sea, met, around)
-    state, own, flow = runge_kutta_4(state, command, total(held), dt, ship, sea, tables)
+    u_c, v_c = water_velocity(state.psi, sea)
+    start, motion = Controls(state.delta, state.n), Motion(state.u - u_c, state.v - v_c, state.r)
+    state, own, units = runge_kutta_4(state, command, total(held), dt, ship, sea, tables)
+    flow = flow_of(motion, start, units, ship)
     components = own[:] + held[:]  # numba joins plain tuples only
     for k in range(1, steps):
         now = time + k * dt

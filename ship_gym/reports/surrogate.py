@@ -20,7 +20,6 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.surrogates.base import percent_error
 from ship_gym.surrogates.error_budget import GRID, TURBULENCE, error_budget
 from ship_gym.surrogates.fit import Fit, Options, leave_one_out, new_model
-from ship_gym.surrogates.gaussian_process import GaussianProcess
 from ship_gym.surrogates.regression import FEATURES, Regression
 from ship_gym.surrogates.samples import DATA_SETS
 from ship_gym.surrogates.sampling import proposals
@@ -72,6 +71,7 @@ def as_dict(fit: Fit, table: Table) -> dict[str, Any]:
         "effective_inflow": card["effective_inflow"],
         "torque": card["torque"],
         "domain": card["domain"],
+        "rudder_angles": [plane["delta"] for plane in card.get("planes", ())],
         "next_samples": proposals(fit, seed=fit.options.seed),
         "made_for": card["made_for"],
         "inputs": card["inputs"],
@@ -138,7 +138,7 @@ def _left_out(fit: Fit, side: str) -> tuple[dict[str, list[float]], str]:
     try:
         for name, y in samples.values.items():
             model = fit.models[side][name]
-            if isinstance(model, GaussianProcess):  # in closed form, its length scales held
+            if hasattr(model, "leave_one_out"):  # in closed form, its length scales held
                 found[name] = (100.0 * model.leave_one_out()[0] / y).tolist()
                 continue
             make = partial(new_model, fit.data, fit.options, side, name)

@@ -59,6 +59,7 @@ def provenance(data: Mapping[str, Any]) -> Section:
 
 def _facts(data: Mapping[str, Any]) -> Grid:
     box, options = data["domain"], data["options"]
+    angles = data.get("rudder_angles") or [box["delta"]]
     order = f", {options['order']} order" if options["family"] == "regression" else ""
     noise = f", noise {options['noise']}" if options["family"] == "gp" else ""
     # a model of printed coefficients knows the places of its points only
@@ -69,7 +70,7 @@ def _facts(data: Mapping[str, Any]) -> Grid:
         ["trained on", _list(data["training_points"]) + note],
         ["held out", _list(data["held_out_points"])],
         ["made for", f"{data['made_for']['ship']}, L {data['made_for']['L']:g} m"],
-        ["rudder angle", f"{math.degrees(box['delta']):.1f} deg"],
+        ["rudder angle", ", ".join(f"{x:.1f}" for x in np.degrees(angles)) + " deg"],
         ["J", f"{box['J_min']:g} to {box['J_max']:g}"],
         ["drift", "{:.1f} to {:.1f} deg".format(*np.degrees([box["beta_min"], box["beta_max"]]))],
         ["torque", data["torque"]],

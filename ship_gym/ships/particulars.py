@@ -144,7 +144,8 @@ class OpenWater:
 class Surrogate:
     """Axes, trained box and reference area of the deflected-rudder surrogate."""
 
-    delta: float = quantity("rad", "trained rudder angle; 0: no surrogate", 0.0)
+    delta: float = quantity("rad", "trained rudder angle, the smallest; 0: no surrogate", 0.0)
+    delta_step: float = quantity("rad", "step to the next trained rudder angle", 1.0)
     sin_delta: float = quantity("-", "its sine", 0.0)
     cos_delta: float = quantity("-", "its cosine", 1.0)
     S_R: float = quantity("m2", "reference area of C_N, C_A", 0.0)

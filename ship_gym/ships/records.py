@@ -63,13 +63,17 @@ def surrogate_section(table: Table | None) -> Surrogate:
     """Axes and trained box of a surrogate table; all zero without one."""
     if table is None:
         return Surrogate()
-    if table.names not in (surrogate_names(1), surrogate_names(2)) or len(table.axes) != 2:
+    known = table.names in (surrogate_names(1), surrogate_names(2))
+    if not known or len(table.axes) not in (2, 3):
         raise ConfigError(f"surrogate table has {table.names}, needs {CHANNELS}, fit it again")
-    epsilon, beta = table.axes
+    *planes, epsilon, beta = table.axes
+    delta, step = table.card["domain"]["delta"], 1.0
+    if planes:  # the domain names the largest of several rudder angles
+        delta, step = planes[0].start, planes[0].step
     return Surrogate(
-        **table.card["domain"],
-        sin_delta=math.sin(table.card["domain"]["delta"]),
-        cos_delta=math.cos(table.card["domain"]["delta"]),
+        **table.card["domain"] | {"delta": delta, "delta_step": step},
+        sin_delta=math.sin(delta),
+        cos_delta=math.cos(delta),
         law_std=0.01 * table.card["effective_inflow"]["rms_error_percent"],
         epsilon_start=epsilon.start,
         epsilon_step=epsilon.step,
@@ -88,7 +92,8 @@ class Fleet:
         SHIP_DTYPE, shape (n,). Domain randomisation is a write to one of its columns.
     open_water, deflected : numpy.ndarray
         Tables of each kind of ship, shapes (kinds, count, 2) and (kinds, 2, count, count, 11): the
-        only propeller and rudder or, of two, the leeward and the windward one.
+        only propeller and rudder or, of two, the leeward and the windward one. Of several rudder
+        angles (kinds, 2, planes, count, count, 11).
     """
 
     records: np.ndarray
@@ -147,18 +152,19 @@ def anchored(ship: Ship) -> Table:
     if not table.card.get("anchored"):
         return table
     axis = ship.open_water.axes[0]
-    tangent = np.tan(table.axes[0].points)
+    places = np.ix_(*(one.points for one in table.axes[:-1]))  # all but the drift
+    tangent = np.tan(places[-1])
     ratio = 1.0 - ship.propeller.w_P0
     at = np.arctan(ratio * tangent)
     # starred coefficients are of u^2 + (0.7 pi n D)^2, u in the wake there and without here
     square = (1.0 + (ratio * tangent) ** 2) / (1.0 + tangent**2)
-    ahead = np.atleast_2d(table(table.axes[0].points, 0.0))
+    ahead = table(*places, 0.0)
     values = table.values.copy()
     for k, name in enumerate(table.names):
         channel = name.split()[0]
         if channel in ("C_T", "C_Q"):
             known = np.interp(at, axis.points, ship.open_water.values[:, CHANNELS.index(channel)])
-            values[..., k] += (square * known - ahead[:, k])[:, None]
+            values[..., k] += (square * known - ahead[..., k])[..., None]
     return dataclasses.replace(table, values=values)
 
 
@@ -169,7 +175,7 @@ def as_computed(ship: Ship) -> Ship:
 
 
 def _by_unit(table: Table) -> np.ndarray:
-    """Values as (2, count, count, 11), leeward before windward; a single one stands in both."""
+    """Values as (2, ..., 11), leeward before windward; a single one stands in both."""
     units = len(table.names) // len(CHANNELS)
     parts = np.split(table.values, units, axis=-1)
     return np.stack([parts[0], parts[-1]])

@@ -1,4 +1,4 @@
-"""Constants of the effective-inflow rudder law, fitted to CFD samples at one rudder angle."""
+"""Constants of the effective-inflow rudder law, fitted to CFD samples at one or more angles."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from ship_gym.ships.records import fleet
 
 @dataclasses.dataclass(frozen=True)
 class RudderSamples:
-    """Forces on a rudder in pure drift of a turn to starboard at one angle, y to port.
+    """Forces on a rudder in pure drift of a turn to starboard, y to port.
 
     Attributes
     ----------
     J, beta, K_T, C_Fx, C_Fy : numpy.ndarray
         Shape (n,); beta in rad.
-    delta : float
-        Rudder angle [rad].
+    delta : float or numpy.ndarray
+        Rudder angle [rad], one or one each, shape (n,).
     S_R : float
         Reference area of the coefficients [m2].
     """
@@ -33,16 +33,16 @@ class RudderSamples:
     K_T: np.ndarray
     C_Fx: np.ndarray
     C_Fy: np.ndarray
-    delta: float
+    delta: float | np.ndarray
     S_R: float
 
 
-def rudder_frame(C_Fx, C_Fy, delta: float):
+def rudder_frame(C_Fx, C_Fy, delta: float | np.ndarray):
     """Normal and chordwise coefficients C_N, C_A from ship axes (x forward, y to port).
 
     C_N = C_Fy cos(delta) - C_Fx sin(delta), C_A = C_Fx cos(delta) + C_Fy sin(delta).
     """
-    c, s = math.cos(delta), math.sin(delta)
+    c, s = np.cos(delta), np.sin(delta)
     return C_Fy * c - C_Fx * s, C_Fx * c + C_Fy * s
 
 
@@ -52,9 +52,10 @@ def law_coefficients(samples: RudderSamples, record: np.record) -> np.ndarray:
     The reference speed is that of the samples, u^2 (1 + 8 K_T / (pi J^2)) + v^2, with n D = 1.
     """
     D, rho = float(record.propeller.D), float(record.rho)
-    direction = (math.sin(samples.delta), math.cos(samples.delta))
     result = np.empty(len(samples.J))
+    deltas = np.broadcast_to(samples.delta, samples.J.shape)
     for i, (J, beta, K_T) in enumerate(zip(samples.J, samples.beta, samples.K_T, strict=True)):
+        direction = (math.sin(deltas[i]), math.cos(deltas[i]))
         u, v = J, -J * math.tan(beta)  # our sway is to starboard
         thrust = K_T * rho * D * D  # with n D = 1
         U = math.hypot(u, v)

@@ -14,9 +14,10 @@ from ship_gym.surrogates.gaussian_process import GaussianProcess
 from ship_gym.surrogates.neural_net import NeuralNetwork
 from ship_gym.surrogates.regression import FEATURES, Regression
 from ship_gym.surrogates.samples import DATA, DataSet, Samples
+from ship_gym.surrogates.two_fidelities import TwoFidelities
 
 FAMILIES = ("regression", "gp", "nn")
-NOISES = ("printed", "computed", "none")
+NOISES = ("printed", "computed", "given", "none")
 _PRINTED_NOISE = DATA / "printed_noise.csv"
 INTERPOLATING = 1e-4  # sigma_n with which a process passes through its points, as in the thesis
 PRINTED_FORCES, PRINTED_COEFFICIENTS = "forces of the samples", "printed regression coefficients"
@@ -35,20 +36,27 @@ class Options:
     noise : str
         Of the process: as ``printed`` in the thesis (for ONRT's C_Mz, which it leaves out, by the
         rule that gives its other values), ``computed`` from the spread of grids and turbulence
-        models, or ``none`` (sigma_n = 1e-4, through the points).
+        models, ``given`` with each point of the samples, or ``none`` (sigma_n = 1e-4, through the
+        points).
     seed : int
         Of the networks.
+    cheap : str
+        Grid and turbulence model, as in ``G1_SA``, of the many cheap samples on which the process
+        builds, see `two_fidelities`; empty: the samples stand alone.
     """
 
     family: str = "regression"
     order: str = "second"
     noise: str = "printed"
     seed: int = 0
+    cheap: str = ""
 
     def __post_init__(self):
         check_known("surrogate family", self.family, FAMILIES)
         check_known("regression order", self.order, FEATURES)
         check_known("noise", self.noise, NOISES)
+        if self.cheap and self.family != "gp":
+            raise ConfigError(f"cheap = {self.cheap!r}: two fidelities are of the Gaussian process")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,6 +91,7 @@ class Fit:
         family = self.options.family
         if family != "regression":
             family += "_exact" if family == "gp" and self.options.noise == "none" else ""
+            family += f"_on_{self.options.cheap}" if self.options.cheap else ""
             default = not self.data.choices or (self.grid, self.turbulence) == self.data.choices[0]
             return family if default else f"{family}_{choice}"
         return choice if self.options.order == "second" else f"{choice}_{self.options.order}"
@@ -185,34 +194,61 @@ def fit_models(
     data: DataSet, training: Samples, options: Options, side: str
 ) -> dict[str, SurrogateModel]:
     """One model for each quantity of some training points; the thrust first, see `comparable`."""
-    thrust = new_model(data, options, side, data.thrust)
+    thrust = new_model(data, options, side, data.thrust, training)
     thrust.fit(training.X, training.values[data.thrust])
     found = {
-        name: new_model(data, options, side, name).fit(training.X, y)
+        name: new_model(data, options, side, name, training).fit(training.X, y)
         for name, y in comparable(data, training, {data.thrust: thrust}).values.items()
         if name != data.thrust
     }
     return {name: thrust if name == data.thrust else found[name] for name in training.values}
 
 
-def new_model(data: DataSet, options: Options, side: str, quantity: str) -> SurrogateModel:
-    """An unfitted model of the family asked for."""
+def new_model(
+    data: DataSet, options: Options, side: str, quantity: str, training: Samples | None = None
+) -> SurrogateModel:
+    """An unfitted model of the family asked for; a given noise is that of the `training` points."""
     if options.family == "regression":
         return Regression(options.order)
     if options.family == "nn":
         # Powers up to the second, not Knight & Maki's sixth: between eight points those bend faster
         # than a force table resolves, and leave-one-out does not favour them.
         return NeuralNetwork(order="second", seed=options.seed)
-    return GaussianProcess(noise_of(data, options.noise, side, quantity))
+    noise = noise_of(data, options.noise, side, quantity, training)
+    if options.cheap:
+        return TwoFidelities(_cheap(data, options, side, quantity), noise)
+    return GaussianProcess(noise)
 
 
-def noise_of(data: DataSet, noise: str, side: str, quantity: str) -> float:
-    """sigma_n of the process [unit of the quantity].
+def _cheap(data: DataSet, options: Options, side: str, quantity: str) -> GaussianProcess:
+    """Process of the cheap samples, without the points that are held out."""
+    named = {"_".join(filter(None, choice)): choice for choice in data.choices}
+    choice = named[check_known(f"cheap samples of {data.name}", options.cheap, named)]
+    points = data.read(*choice, side)
+    samples = points.pick([p for p in points.points.tolist() if p not in data.validation])
+
+    def process(name: str, y: np.ndarray) -> GaussianProcess:
+        return GaussianProcess(noise_of(data, options.noise, side, name, samples)).fit(samples.X, y)
+
+    thrust = process(data.thrust, samples.values[data.thrust])
+    if quantity == data.thrust:
+        return thrust
+    return process(quantity, comparable(data, samples, {data.thrust: thrust}).values[quantity])
+
+
+def noise_of(
+    data: DataSet, noise: str, side: str, quantity: str, samples: Samples | None = None
+) -> float | np.ndarray:
+    """sigma_n of the process [unit of the quantity]; one of each point if it is given with them.
 
     Computed: by ``error_budget.sigma_n``, or ``sigma_n_limit`` without the grids that it compares.
     """
     if noise == "none":
         return INTERPOLATING
+    if noise == "given":
+        if samples is None or quantity not in samples.noise:
+            raise ConfigError(f"{data.path}: no column '{quantity} std [-]' for noise = 'given'")
+        return samples.noise[quantity]
     columns = read_csv(data.path).columns
     if noise == "printed":
         rows = read_csv(_PRINTED_NOISE).where(data=data.name, side=side, quantity=quantity)

@@ -52,13 +52,14 @@ def force_ratios(data: DataSet, ship: Ship, sides: list[Samples]) -> tuple[float
     record = fleet([ship]).records[0]
     rudder, thrust = [], []
     for samples in sides:
-        J, beta = samples.X.T
+        J, beta = samples.X.T[:2]
+        delta = samples.delta(data.delta)
         K_T, C_Fx = samples.values[data.thrust], samples.values["C_Fx"]
         given = RudderSamples(
-            J, beta, np.maximum(K_T, 0.0), C_Fx, data.sign * samples.values["C_Fy"], data.delta,
+            J, beta, np.maximum(K_T, 0.0), C_Fx, data.sign * samples.values["C_Fy"], delta,
             ship.rudder.A_R,
         )  # fmt: skip
-        C_N, _ = rudder_frame(given.C_Fx, given.C_Fy, data.delta)
+        C_N, _ = rudder_frame(given.C_Fx, given.C_Fy, delta)
         rudder.append(_ratio(C_N, law_coefficients(given, record)))
         ratio = np.array([wake((1.0, angle), 0.0, record.propeller) for angle in beta])
         thrust.append(_ratio(K_T, coefficients(ship.open_water, ratio * J)[0]))
@@ -97,9 +98,9 @@ def stray_radians(samples: Samples, data: DataSet) -> list[str]:
     through the other points at the angle that it has when it is read as radians, and if that is an
     angle among theirs.
     """
-    J, beta = samples.X.T
+    J, beta = samples.X.T[:2]
     small = (np.abs(beta) <= _RADIANS) & (beta != 0.0)
-    if not small.any() or np.count_nonzero(~small) < _FEWEST:
+    if len(data.angles) > 1 or not small.any() or np.count_nonzero(~small) < _FEWEST:
         return []
     values = np.stack([samples.values[data.thrust], samples.values["C_Fy"]], axis=1)
     plane, *_ = np.linalg.lstsq(_plane(*samples.X[~small].T), values[~small], rcond=None)

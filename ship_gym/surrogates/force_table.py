@@ -177,8 +177,13 @@ def law_samples(fit: Fit, side: str, S_R: float) -> RudderSamples:
         K_T, C_Fx, C_Fy = (training.values[k] for k in names)
     else:
         K_T, C_Fx, C_Fy = (fit.models[side][k].predict(training.X)[0] for k in names)
-    J, beta = training.X.T
-    return RudderSamples(J, beta, K_T, C_Fx, data.sign * C_Fy, data.delta, S_R)
+    J, beta = training.X.T[:2]
+    delta = training.delta(data.delta)
+    if np.ndim(delta):  # of a scattered set those with a force of which a relative error is told
+        over = delta >= 0.5 * np.max(delta)
+        parts = (x[over] for x in (J, beta, K_T, C_Fx, data.sign * C_Fy, delta))
+        return RudderSamples(*parts, S_R)
+    return RudderSamples(J, beta, K_T, C_Fx, data.sign * C_Fy, delta, S_R)
 
 
 def card_of(fit: Fit, ship: Ship) -> dict:

@@ -11,13 +11,19 @@ Then a row of column names with units, and one row for each point:
 
 - ``point [-]`` whole number; ``J [-]`` = u/(n D) of the ship's speed, above 0, at most 3;
 - ``beta [deg]`` or ``beta [rad]`` drift angle at propeller and rudder, positive in a turn to
-  starboard; ``abs(beta) [deg]`` is read alike, and is what a turn to port needs;
+  starboard; ``abs(beta) [deg]`` is read alike, and is what a turn to port needs; some may be
+  negative;
+- ``delta [deg]`` or ``[rad]``, optional: rudder angle into the turn, where the samples have
+  several; the file is then one scattered set or one plane for each angle, see ``rudder_angles``;
 - ``K_T [-]``, or ``K_X [-]`` along the ship's axis; ``10K_Q [-]`` and ``K_S [-]`` may be absent;
 - ``C_Fx [-]`` forward and ``C_Fy [-]`` to the side: force on the rudder alone over
   1/2 rho u_R^2 A_R, with A_R the ship's rudder area and u_R^2 = u^2 (1 + 8 K_T/(pi J^2)) + v^2;
+- ``K_T std [-]`` and so on, optional: the standard deviation of each value, for a Gaussian process
+  with ``noise = "given"``;
 - without a unit, all optional: ``grid``, ``turbulence`` (names), ``set`` (``training`` or
   ``validation``), and for two propellers ``side`` (``leeward`` or ``windward``, or ``port`` and
-  ``starboard``). The port propeller is to leeward in a turn to port.
+  ``starboard``). The port propeller is to leeward in a turn to port. The first grid in the file is
+  the default; a process may build on another one, cheap and at more points.
 """
 
 from __future__ import annotations
@@ -35,6 +41,8 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.surrogates.row_checks import check_columns, check_rows, lines
 from ship_gym.surrogates.samples import LEEWARD, SINGLE, WINDWARD, DataSet
 
+SAME_ANGLE = math.radians(0.01)
+
 
 def own_data_set(
     path: str | Path,
@@ -51,7 +59,8 @@ def own_data_set(
     ship : Ship, or its name or file
         The ship they belong to.
     delta_deg : float, optional
-        Size of the rudder angle [deg]; that of the file, else the ship's largest, if omitted.
+        Size of the rudder angle [deg]; that of the file, else the ship's largest, if omitted. Of a
+        file with several angles the samples of this one; all of them, if omitted.
     validation : tuple of int
         Points to hold out, if the file has no column ``set``.
 
@@ -76,6 +85,7 @@ def own_data_set(
     check_known(f"side force in {path}", positive, ("port", "starboard"))
     to_port = (turn == "port") != (positive == "starboard")
     check_rows(rows, beta, -1.0 if to_port else 1.0)
+    rows, angles = _at_angles(rows, delta_deg)
     choices = _choices(rows)
     held = _held_out(rows, validation)
     mine = _of_choice(rows, choices[0] if choices else ("", ""))
@@ -88,7 +98,7 @@ def own_data_set(
         name=path.stem,
         ship=ship.name,
         path=path,
-        delta=_delta(rows, ship, delta_deg),
+        delta=max(angles) if angles else _delta(rows, ship, delta_deg),
         thrust=thrust,
         quantities=tuple(q for q in quantities if q in rows.columns),
         sides=_sides(rows, ship, turn),
@@ -97,11 +107,28 @@ def own_data_set(
         validation=tuple(int(p) for p in points if p in held),
         to_port=to_port,
         choices=choices,
+        angles=angles,
     )
 
 
 def _range(x: np.ndarray) -> tuple[float, float]:
     return float(x.min()), float(x.max())
+
+
+def _at_angles(rows: CsvTable, delta_deg: float | None) -> tuple[CsvTable, tuple[float, ...]]:
+    """Rows of the rudder angle asked for, or all, and the angles in them [rad]."""
+    if "delta" not in rows.columns:
+        return rows, ()
+    delta = rows.si("delta")
+    there = np.unique(delta)
+    if delta_deg is not None:
+        there = there[np.abs(there - math.radians(delta_deg)) < SAME_ANGLE]
+        if not len(there):
+            found = ", ".join(f"{math.degrees(a):g}" for a in np.unique(delta))
+            raise ConfigError(f"{rows.path}: delta_deg = {delta_deg:g}: the samples have {found}")
+    if not there.max() > 0.0:
+        raise ConfigError(f"{rows.path}: delta = 0: a surrogate needs the rudder over")
+    return rows.select(np.isin(delta, there)), tuple(there.tolist())
 
 
 def _delta(rows: CsvTable, ship: Ship, delta_deg: float | None) -> float:

@@ -18,11 +18,14 @@ UNITS = {
     "J": ("-",),
     "beta": ("deg", "rad"),
     "abs(beta)": ("deg", "rad"),
+    "delta": ("deg", "rad"),
     **dict.fromkeys(LARGEST, ("-",)),
+    **dict.fromkeys((f"{name} std" for name in LARGEST), ("-",)),
 }
 TEXTS = ("grid", "turbulence", "side", "set")
 LARGEST_J = 3.0
 SETS = ("training", "validation")
+_DEGREES = "; looks like degrees"
 
 
 def lines(rows: np.ndarray) -> str:
@@ -60,6 +63,9 @@ def check_columns(rows: CsvTable, path: Path) -> tuple[str, str]:
     beta, thrust = (
         _one_of(rows, names, where) for names in (("beta", "abs(beta)"), ("K_T", "K_X"))
     )
+    for name in rows.columns:
+        if name.removesuffix(" std") not in rows.columns:
+            raise ConfigError(f"{where}: column {name!r} without {name.removesuffix(' std')!r}")
     for name in ("point", "J", "C_Fx", "C_Fy"):
         if name not in rows.columns:
             raise ConfigError(f"{where}: no column {name!r};{nearest(name, rows.columns)}")
@@ -98,19 +104,36 @@ def check_rows(rows: CsvTable, beta: str, sign: float) -> None:
     _refuse(
         rows, "J", ~((J > 0.0) & (J <= LARGEST_J)), f"allowed is above 0, at most {LARGEST_J:g}"
     )
-    hint = "; looks like degrees" if rows.units[beta] == "rad" else ""
+    hint = _DEGREES if rows.units[beta] == "rad" else ""
     _refuse(rows, beta, np.abs(drift) > 0.5 * math.pi, f"allowed is at most 90 deg{hint}")
     for name in LARGEST.keys() & rows.columns.keys():
         too_large = np.abs(rows.columns[name]) > LARGEST[name]
         _refuse(rows, name, too_large, f"physical is at most {LARGEST[name]:g}")
+        if (std := f"{name} std") in rows.columns:
+            _refuse(rows, std, ~(rows.columns[std] > 0.0), "a standard deviation is above 0")
     _check_repeats(rows, drift)
-    if np.median(side_signs(rows.columns["C_Fy"], sign)) < 0.0:
-        wrong = rows.rows[side_signs(rows.columns["C_Fy"], sign) < 0.0]
+    if "delta" in rows.columns:
+        delta, hint = rows.si("delta"), _DEGREES if rows.units["delta"] == "rad" else ""
+        outside = (delta < 0.0) | (delta > 0.5 * math.pi)
+        _refuse(rows, "delta", outside, f"allowed is 0 to 90 deg{hint}")
+    _check_turn(rows, beta, sign)
+
+
+def _check_turn(rows: CsvTable, beta: str, sign: float) -> None:
+    """The rudder that is over most turns the ship to its side, and the stern swings outwards."""
+    several, drift = "delta" in rows.columns, rows.si(beta)
+    over = rows
+    if several:
+        over = rows.select(rows.columns["delta"] == rows.columns["delta"].max())
+    sides = side_signs(over.columns["C_Fy"], sign)
+    if np.median(sides) < 0.0:
         raise ConfigError(
-            f"{rows.path}: {lines(wrong)}: C_Fy has the sign of a turn to the other side; say "
-            "'# turn: port', or '# side force: starboard', if that is what the samples are"
+            f"{rows.path}: {lines(over.rows[sides < 0.0])}: C_Fy has the sign of a turn to the "
+            "other side; say '# turn: port', or '# side force: starboard', if that is what the "
+            "samples are"
         )
-    if np.median(drift) < 0.0:
+    # of several rudder angles drift to either side is wanted, but not to the wrong one alone
+    if drift.min() < 0.0 and (drift.max() <= 0.0 if several else np.median(drift) < 0.0):
         raise ConfigError(
             f"{rows.path}: {lines(rows.rows[drift < 0.0])}: {beta} is negative; it is positive "
             "where the stern swings outwards of the turn: turn its sign, or use abs(beta)"
@@ -125,10 +148,11 @@ def _refuse(rows: CsvTable, name: str, wrong: np.ndarray, allowed: str) -> None:
 
 
 def _check_repeats(rows: CsvTable, drift: np.ndarray) -> None:
-    """A point has one place; on one grid and side it is there once, and a place has one value."""
+    """A point has one place; on a grid, side and angle it is there once, a place has one value."""
     names = sorted(LARGEST.keys() & rows.columns.keys())
     values = np.column_stack([rows.columns[name] for name in names])
-    keys = [rows.columns[name].tolist() for name in TEXTS[:3] if name in rows.columns]
+    apart = (*TEXTS[:3], "delta")
+    keys = [rows.columns[name].tolist() for name in apart if name in rows.columns]
     cases = list(zip(*keys, strict=True)) if keys else [()] * len(rows.rows)
     at: dict[float, tuple] = {}
     seen: dict[tuple, int] = {}  # point or place, with side and grid, to its first row

@@ -91,12 +91,13 @@ def _spread(training: Samples, options: Options) -> list[str]:
     name = f"{options.order} order regression" if regression else options.family
     if n < needed:
         raise ConfigError(f"{where}: {n} training points, but the {name} needs {needed}")
-    matrix = _scaled_features(training.X, powers)
-    if np.linalg.matrix_rank(_scaled_features(training.X, _PLANE), tol=1e-6) < len(_PLANE):
+    place = training.X[:, :2]  # J and beta, whatever the rudder
+    matrix = _scaled_features(place, powers)
+    if np.linalg.matrix_rank(_scaled_features(place, _PLANE), tol=1e-6) < len(_PLANE):
         raise ConfigError(f"{where}: collinear: all points lie on one line in the J-beta plane")
     if np.linalg.matrix_rank(matrix, tol=1e-6) < needed:
         raise ConfigError(
-            f"{where}: {n} points at {len(np.unique(training.X, axis=0))} places do not span the "
+            f"{where}: {n} points at {len(np.unique(place, axis=0))} places do not span the "
             f"{needed} features of the {name}: they lie on too few lines of J and beta"
         )
     found = []
@@ -106,7 +107,7 @@ def _spread(training: Samples, options: Options) -> list[str]:
             f"{where}: points clustered or nearly collinear in the J-beta plane: condition number "
             f"{condition:.0f} of the scaled features, usual is below {_MOST_CONDITION:.0f}"
         )
-    fitted = needed if regression else _FITTED[options.family]
+    fitted = needed if regression else _FITTED[options.family] + training.X.shape[1] - 2
     if n < 2 * fitted:
         found.append(
             f"{where}: {n} training points for the {fitted} numbers of the {name}; "
@@ -126,22 +127,25 @@ def _scaled_features(X: np.ndarray, powers: tuple[tuple[int, int], ...]) -> np.n
 
 def _unusual(samples: Samples, ship: Ship, data: DataSet) -> list[str]:
     """Samples that are possible, but look like a slip."""
-    J, beta = samples.X.T
+    J, beta = samples.X.T[:2]
     thrustless = _thrustless(ship)
     checks = [
         (np.abs(beta) > _USUAL_DRIFT, f"drift beyond {math.degrees(_USUAL_DRIFT):.0f} deg"),
         (J > thrustless, f"J above {thrustless:.2f}, where the propeller has no thrust"),
         (samples.values[data.thrust] <= 0.0, f"{data.thrust} is not positive"),
         (samples.values["C_Fx"] >= 0.0, "C_Fx >= 0: the rudder pushes the ship ahead"),
-        (side_signs(samples.values["C_Fy"], data.sign) < 0, "C_Fy to the other side than most"),
     ]
+    if len(data.angles) < 2:  # with the rudder a little over, drift may turn the force round
+        other = side_signs(samples.values["C_Fy"], data.sign) < 0
+        checks.append((other, "C_Fy to the other side than most"))
     if np.abs(beta).max() < _LOOKS_LIKE_RADIANS:
         checks.append(
             (np.ones(len(beta), dtype=bool), "drift below 1.6 deg everywhere looks like radians")
         )
     if "K_S" in samples.values:
         # the flow across the propeller pushes it with it: to starboard in a turn to starboard
-        against = (data.sign * samples.values["K_S"] > 0.0) & (np.abs(beta) > _OBLIQUE)
+        with_it = data.sign * samples.values["K_S"] * np.sign(beta) <= 0.0
+        against = ~with_it & (np.abs(beta) > _OBLIQUE)
         checks.append((against, "K_S pushes against the cross flow: is its sign right?"))
     if "10K_Q" in samples.values:
         ratio = J * samples.values[data.thrust] * 10.0

@@ -1,4 +1,4 @@
-"""Force samples at points (J, beta) with the rudder held at one angle, and where they come from."""
+"""Force samples at points (J, beta) with the rudder at one or more angles, and their source."""
 
 from __future__ import annotations
 
@@ -29,9 +29,11 @@ class Samples:
     points, rows : numpy.ndarray
         Number of each point and its line in the file, shape (n,).
     X : numpy.ndarray
-        J [-] and drift angle beta [rad], shape (n, 2).
+        J [-] and drift angle beta [rad], shape (n, 2), with the rudder angle [rad] (n, 3).
     values : dict
         Quantity to coefficients, shape (n,), in the axes of the source.
+    noise : dict
+        Quantity to the standard deviation of each point, shape (n,), where the file gives one.
     """
 
     path: str
@@ -40,6 +42,11 @@ class Samples:
     rows: np.ndarray
     X: np.ndarray
     values: dict[str, np.ndarray]
+    noise: dict[str, np.ndarray] = dataclasses.field(default_factory=dict)
+
+    def delta(self, fixed: float) -> float | np.ndarray:
+        """Rudder angle of the points [rad]: shape (n,) where it is an input, else the fixed one."""
+        return self.X[:, 2] if self.X.shape[1] > 2 else fixed
 
     def pick(self, points) -> Samples:
         """Some points, in the order asked for.
@@ -55,8 +62,14 @@ class Samples:
             raise ConfigError(f"{self.path}: points {wrong} must be there once")
         order = np.array([hits[0] for hits in found], dtype=int)
         values = {name: column[order] for name, column in self.values.items()}
+        noise = {name: column[order] for name, column in self.noise.items()}
         return dataclasses.replace(
-            self, points=self.points[order], rows=self.rows[order], X=self.X[order], values=values
+            self,
+            points=self.points[order],
+            rows=self.rows[order],
+            X=self.X[order],
+            values=values,
+            noise=noise,
         )
 
     def by_rudder_speed_of(self, thrust: str, K_T: np.ndarray) -> Samples:
@@ -83,11 +96,11 @@ def rudder_speed_squared(X: np.ndarray, K_T: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     X : numpy.ndarray
-        J [-] and beta [rad], shape (n, 2).
+        J [-] and beta [rad], shape (n, 2), or with the rudder angle (n, 3).
     K_T : numpy.ndarray
         Thrust coefficient, or K_X, shape (n,).
     """
-    J, beta = X.T
+    J, beta = X.T[:2]
     return 1.0 + 8.0 * K_T / (math.pi * J**2) + np.tan(beta) ** 2
 
 
@@ -102,7 +115,7 @@ class DataSet:
     path, coefficients : Path
         Points; regression coefficients that the source prints, if it does.
     delta : float
-        Size of the rudder angle [rad].
+        Size of the rudder angle [rad]; the largest of several.
     thrust : str
         Column of the axial force coefficient: ``K_T``, or ``K_X`` along the ship's axis.
     quantities : tuple of str
@@ -118,6 +131,9 @@ class DataSet:
         Points to fit to and points held out.
     choices : tuple
         Grids and turbulence models, the default first; empty without such columns.
+    angles : tuple of float
+        Rudder angles of the file that belong to the set [rad]: one, or several as a third input;
+        empty where the file has no column ``delta``.
     by_model_speed : bool
         The fitted rudder coefficients refer to the rudder speed of the fitted thrust, as Knight
         (2021) section 5.3.1 says of ONRT; those of the file to that of the CFD's thrust.
@@ -140,6 +156,7 @@ class DataSet:
     to_port: bool = False
     coefficients: Path | None = None
     choices: tuple[tuple[str, str], ...] = ()
+    angles: tuple[float, ...] = ()
     by_model_speed: bool = False
     places: Path | None = None
     training_set: str = ""
@@ -158,7 +175,9 @@ class DataSet:
                 check_known(f"{column} of {self.name}", wanted, sorted(set(rows.columns[column])))
         conditions = {"grid": grid, "turbulence": turbulence, "side": self.sides[side]}
         rows = rows.where(**{k: v for k, v in conditions.items() if v})
-        return samples_of(rows, self.quantities)
+        if self.angles:
+            rows = rows.select(np.isin(rows.si("delta"), self.angles))
+        return samples_of(rows, self.quantities, len(self.angles) > 1)
 
     def printed(self, model: str, side: str = SINGLE) -> dict[str, np.ndarray]:
         """Second-order coefficients that the source prints for a model, e.g. ``"G2_SA"``.
@@ -192,17 +211,22 @@ class DataSet:
         return dataclasses.replace(known, values={})
 
 
-def samples_of(rows: CsvTable, quantities) -> Samples:
-    """Samples from the rows of a file; the drift column may be ``beta`` or ``abs(beta)``."""
+def samples_of(rows: CsvTable, quantities, rudder: bool = False) -> Samples:
+    """Samples from the rows of a file, with or without the rudder angle as third input.
+
+    The drift column may be ``beta`` or ``abs(beta)``.
+    """
     beta = "abs(beta)" if "abs(beta)" in rows.columns else "beta"
-    rows.require("point", "J", beta, *quantities)
+    inputs = ("J", beta, "delta") if rudder else ("J", beta)
+    rows.require("point", *inputs, *quantities)
     return Samples(
         path=rows.path,
         source=rows.header["source"],
         points=rows.columns["point"].astype(int),
         rows=rows.rows,
-        X=np.stack([rows.si("J"), rows.si(beta)], axis=1),
+        X=np.stack([rows.si(name) for name in inputs], axis=1),
         values={name: rows.columns[name] for name in quantities},
+        noise={k: rows.columns[f"{k} std"] for k in quantities if f"{k} std" in rows.columns},
     )
 
 

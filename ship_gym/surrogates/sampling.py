@@ -93,7 +93,8 @@ def space_filling(
 
 def proposals(fit: Fit, count: int = 4, seed: int = 0) -> dict[str, list[dict[str, object]]]:
     """Where to sample next, as plain data: ``least_sure`` and ``space_filling`` (J, beta [rad])."""
-    there = np.concatenate([s.X for s in (*fit.training.values(), *fit.validation.values())])
+    both = (*fit.training.values(), *fit.validation.values())
+    there = np.concatenate([samples.X[:, :2] for samples in both])
     new = space_filling(there, fit.data.box, count, seed)
     return {
         "least_sure": least_sure(fit),

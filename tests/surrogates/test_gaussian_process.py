@@ -183,6 +183,24 @@ def test_likelihood_is_that_of_the_normal_distribution_and_at_its_top():
         assert likelihood(c, s, lengths * [1.0, factor]) < top
 
 
+def test_a_noise_of_each_point_and_three_inputs_are_those_of_scikit_learn():
+    """Points of large noise are followed less; the third input has its own length scale."""
+    rng = np.random.default_rng(2)
+    X = rng.uniform(0.0, 1.0, (15, 3))
+    y = X[:, 0] + np.sin(3.0 * X[:, 2]) + rng.normal(0.0, 0.02, 15)
+    noise = np.where(np.arange(15) < 8, 0.01, 0.3)
+    model = GaussianProcess(noise).fit(X, y)
+    Z = rng.uniform(0.0, 1.0, (20, 3))
+    mean, std = model.predict(Z)
+    expected, expected_std = flat_prior(model, X, y).predict(Z, return_std=True)
+    np.testing.assert_allclose(mean, expected, atol=1e-5)
+    np.testing.assert_allclose(std, expected_std, rtol=1e-3)
+    misfit = np.abs(model.predict(X)[0] - y)
+    assert misfit[:8].max() < 0.05 and misfit[8:].max() > 2.0 * misfit[:8].max()
+    assert len(model.length_scales) == 3 and model.length_scales[1] > 3.0  # y is free of it
+    assert model.describe()["sigma_n"] == noise.tolist()
+
+
 def test_std_is_small_at_the_points_and_that_of_the_prior_far_away():
     X, y = training("kcs", "K_T")
     model = GaussianProcess(INTERPOLATING).fit(X, y)
@@ -230,6 +248,10 @@ def test_bad_samples():
         GaussianProcess().fit(X[:2], y[:2])
     with pytest.raises(ConfigError, match=r"shapes \(8, 2\) and \(7,\)"):
         GaussianProcess().fit(X, y[:7])
+    with pytest.raises(ConfigError, match=r"sigma_n has shape \(7,\), y has \(8,\)"):
+        GaussianProcess(np.full(7, 0.1)).fit(X, y)
+    with pytest.raises(ConfigError, match="sigma_n = -1"):
+        GaussianProcess(np.array([0.1] * 7 + [-1.0])).fit(X, y)
     with pytest.raises(ConfigError, match=r"beta = 0\.5 at all points"):
         GaussianProcess().fit(np.stack([X[:, 0], np.full(8, 0.5)], axis=1), y)
     with pytest.raises(ConfigError, match="y = nan at point 2"):

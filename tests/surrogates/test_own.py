@@ -321,3 +321,53 @@ def test_a_quantity_that_does_not_vary_has_no_relative_standard_deviation(write,
     rows = [f"{row},0.02" for row in ROWS]
     found = fit(own_data_set(write(rows, TITLES + ",K_S [-]"), ship))
     assert "K_S" not in {row["quantity"] for row in least_sure(found)}
+
+
+def with_noise(rows=ROWS):
+    """Rows with a standard deviation of the thrust, large at points 5 and 6."""
+    return [f"{row},{0.05 if row[:2] in ('5,', '6,') else 0.002}" for row in rows]
+
+
+def test_a_noise_of_each_point_is_that_of_the_process(write, ship):
+    data = own_data_set(write(with_noise(), TITLES + ",K_T std [-]"), ship)
+    assert data.quantities == ("K_T", "10K_Q", "C_Fx", "C_Fy")
+    training = data.read().pick((7, 5))
+    assert training.noise["K_T"].tolist() == [0.002, 0.05]
+    with pytest.raises(ConfigError, match=r"no column '10K_Q std \[-\]' for noise = 'given'"):
+        fit(data, Options("gp", noise="given"))
+    every = [f"{row},0.01,0.02,0.03" for row in with_noise()]
+    titles = TITLES + "".join(f",{k} std [-]" for k in ("K_T", "10K_Q", "C_Fx", "C_Fy"))
+    found = fit(own_data_set(write(every, titles), ship), Options("gp", noise="given"))
+    models = found.models["single"]
+    assert models["K_T"].sigma_n.tolist() == found.training["single"].noise["K_T"].tolist()
+    assert (models["C_Fy"].sigma_n == 0.03).all()
+    assert found.name == "gp"
+
+
+@pytest.mark.parametrize(
+    ("titles", "last", "words"),
+    [
+        (",K_T std [-]", "0", ":6: K_T std = 0 .* above 0"),
+        (",K_S std [-]", "0.1", ":5: column 'K_S std' without 'K_S'"),
+        (",K_T std", "0.1", ":5: column 'K_T std' has no unit"),
+        (",delta [deg]", "95", r":6: delta = 95 \[deg\]: allowed is 0 to 90 deg"),
+        (",delta [rad]", "35", ":6: delta = 35 .* looks like degrees"),
+        (",delta [deg]", "-35", ":6: delta = -35 "),
+        (",delta [deg]", "0", "delta = 0: a surrogate needs the rudder over"),
+    ],
+)
+def test_wrong_noise_and_rudder_angles_are_named(write, ship, titles, last, words):
+    with pytest.raises(ConfigError, match=words):
+        own_data_set(write([f"{row},{last}" for row in ROWS], TITLES + titles), ship)
+
+
+def test_a_process_builds_on_the_cheap_grid_without_the_held_out_points():
+    options = Options("gp", noise="none", cheap="G1_SA")
+    found = fit(KCS, options, "G2", "SA")
+    model = found.models["single"]["C_Fx"]
+    assert len(model.cheap._process.X_train_) == 8 and model.rho == pytest.approx(1.1, abs=0.1)
+    assert found.name == "gp_exact_on_G1_SA"
+    with pytest.raises(ConfigError, match=r"cheap samples of kcs.* 'G4_SA'.*G1_SA"):
+        fit(KCS, Options("gp", noise="none", cheap="G4_SA"))
+    with pytest.raises(ConfigError, match="of the Gaussian process"):
+        Options(cheap="G1_SA")

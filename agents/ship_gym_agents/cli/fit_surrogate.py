@@ -14,8 +14,9 @@ from ship_gym_agents.cli.values import Number, OutFolder, whole
 
 _COLUMNS = """
 columns of --samples: point [-], J [-], beta [deg], K_T [-] (or K_X [-]), C_Fx [-], C_Fy [-]; may be
-there: 10K_Q [-], K_S [-], grid, turbulence, set (training or validation), side (leeward or
-windward). The whole rules: ship_gym/surrogates/own.py; an example to copy:
+there: 10K_Q [-], K_S [-], delta [deg] (several rudder angles), K_T std [-] and so on (noise of each
+value), grid, turbulence, set (training or validation), side (leeward or windward). The whole
+rules: ship_gym/surrogates/own.py; an example to copy:
 ship_gym/surrogates/data/kcs_propeller_rudder_cfd.csv
 """
 
@@ -25,17 +26,25 @@ ship_gym/surrogates/data/kcs_propeller_rudder_cfd.csv
     "--family gp --report",
     "--data onrt --grid G3 --plot runs/onrt.png",
     "--samples my.csv --ship my_ship.toml --report",
+    "--samples my.csv --family gp --noise given --cheap coarse",
     "--install          # make the shipped tables again",
     notes=_COLUMNS,
 )
 @click.option("--data", help="Project data set: kcs (default), onrt or onrt_16.")
 @click.option("--samples", type=click.Path(path_type=Path), help="Your own samples instead (csv).")
 @ship("kcs_model, of --samples")
-@click.option("--delta", type=Number(unit="deg"), help="Rudder angle of --samples [deg].")
+@click.option(
+    "--delta",
+    type=Number(unit="deg"),
+    help="Rudder angle of --samples [deg]; of several the one to fit.",
+)
 @click.option("--validation", cls=Several, type=whole(0, 10**9), help="Its points to hold out.")
 @click.option("--family", default="regression", help="regression, gp or nn.")
 @click.option("--order", help="Of the regression: first, second (default), third, ...")
-@click.option("--noise", help="Of gp: printed (default), computed, none (default of --samples).")
+@click.option(
+    "--noise", help="Of gp: printed (default), computed, given, none (default of --samples)."
+)
+@click.option("--cheap", help="Of gp: cheap grid below the dear one, e.g. G1_SA.")
 @click.option("--grid", help="CFD grid; default: the first, G2.")
 @click.option("--turbulence", help="Turbulence model; default: the first, SA.")
 @seed("Of networks and proposals.")
@@ -77,6 +86,7 @@ class Asked:
     family: str
     order: str | None
     noise: str | None
+    cheap: str | None
     grid: str | None
     turbulence: str | None
     seed: int
@@ -121,6 +131,8 @@ def _check_together(asked: Asked) -> None:
         raise ConfigError("--order is of the regression")
     if asked.noise and asked.family != "gp":
         raise ConfigError("--noise is of the Gaussian process: --family gp")
+    if asked.cheap and asked.family != "gp":
+        raise ConfigError("--cheap is of the Gaussian process: --family gp")
 
 
 def _chosen(asked: Asked) -> tuple[Any, Any, Any, tuple[str, str]]:
@@ -135,7 +147,7 @@ def _chosen(asked: Asked) -> tuple[Any, Any, Any, tuple[str, str]]:
     own = asked.samples is not None
     check_known("family", asked.family, FAMILIES)
     noise = asked.noise or ("none" if own else "printed")
-    options = Options(asked.family, asked.order or "second", noise, asked.seed)
+    options = Options(asked.family, asked.order or "second", noise, asked.seed, asked.cheap or "")
     if own:
         ship = load_ship(asked.ship or "kcs_model", surrogate="none")
         held = {"delta_deg": asked.delta, "validation": asked.validation}
@@ -160,10 +172,12 @@ def _quiet(make: Any, *arguments: Any) -> Any:
 
 
 def _warn_of_samples(data: Any, ship: Any, options: Any, choice: tuple[str, str]) -> None:
+    from ship_gym.surrogates.rudder_angles import sets_of
     from ship_gym.surrogates.sample_checks import check_samples
 
-    for warning in check_samples(data, ship, options, *choice):
-        print(f"warning: {warning}", file=sys.stderr)
+    for part in sets_of(data) if len(data.angles) > 1 else (data,):
+        for warning in check_samples(part, ship, options, *choice):
+            print(f"warning: {warning}", file=sys.stderr)
 
 
 def _fit_one(asked: Asked) -> tuple[dict, str]:
@@ -195,17 +209,24 @@ def _fitted(data: Any, ship: Any, options: Any, choice: tuple[str, str]) -> tupl
     from ship_gym.reports.surrogate import as_dict
     from ship_gym.surrogates.fit import fit
     from ship_gym.surrogates.force_table import table_of
+    from ship_gym.surrogates.rudder_angles import fit_rudder_angles, table_of_angles
     from ship_gym_agents.cli.output import progress
 
-    done: dict[str, Any] = {}
+    several, done = len(data.angles) > 1, {}
+    fitting, tabulating = (fit_rudder_angles, table_of_angles) if several else (fit, table_of)
     steps = {
-        "fit": lambda: fit(data, options, *choice),
-        "table": lambda: _quiet(table_of, done["fit"], ship),
-        "facts": lambda: as_dict(done["fit"], done["table"]),
+        "fit": lambda: fitting(data, options, *choice),
+        "table": lambda: _quiet(tabulating, done["fit"], ship),
+        "facts": lambda: as_dict(_largest(done["fit"]), done["table"]),
     }
     for name in progress(list(steps), "fitting"):
         done[name] = steps[name]()
-    return done["fit"], done["table"], done["facts"]
+    return _largest(done["fit"]), done["table"], done["facts"]
+
+
+def _largest(found: Any) -> Any:
+    """The fit, of several rudder angles that of the largest, which stands for them in a report."""
+    return found[-1] if isinstance(found, tuple) else found
 
 
 def _turn(facts: dict, ship: Any, table: Any, found: Any) -> None:
