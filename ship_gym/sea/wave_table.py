@@ -13,8 +13,7 @@ non-dimensional, so it serves every scale of the ship. A = wave amplitude, k = w
   sway, roll, yaw, CY and CN change sign. Only 0 <= mu <= pi is stored.
 
 Interpolate linearly in Froude number, heading and true frequency omega sqrt(L/g), never in the
-encounter frequency; Fn between 0 and 0.10 too (a spike at tau = 1/4 sits there). ``database``
-computes it.
+encounter frequency. ``database`` computes it.
 """
 
 from __future__ import annotations

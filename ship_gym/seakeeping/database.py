@@ -36,7 +36,7 @@ from ship_gym.seakeeping.radiation_diffraction import (
 )
 from ship_gym.seakeeping.snnm import added_resistance, snnm_hull
 from ship_gym.seakeeping.surface import Surface
-from ship_gym.seakeeping.table_checks import uncertainty
+from ship_gym.seakeeping.table_checks import critical, uncertainty
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
@@ -246,23 +246,18 @@ def _keep(path: Path, function: Callable[..., np.ndarray], *arguments) -> None:
 def across_critical(grid: Grid, force: np.ndarray) -> np.ndarray:
     """Far-field force with the cells above tau = 1/4 replaced, shape (f, h, w).
 
-    There the gap between long and short free waves has just closed, and short ones that run ahead
-    of the wave system enter at once, which the flow of the resting hull does not resolve: at Fn
-    0.10 they are more than half of KVLCC2's surge. In seas from ahead to abeam, where tau grows
-    with speed, a cell in the band takes the straight line in Froude number between the next speeds
-    outside of it; without a faster one it stays.
+    There the gap between long and short free waves has just closed, and short ones that the flow of
+    the resting hull does not resolve enter at once: at Fn 0.10 they are more than half of KVLCC2's
+    surge. A cell of `critical` takes the straight line in Froude number between the next speeds
+    outside of the band; without a faster one it stays.
     """
-    found = force.copy()
-    froude, omega = np.array(grid.froude), grid.omega_points
-    for j, mu in enumerate(grid.heading_points):
-        if np.cos(mu) > 1e-9:
-            continue
-        tau = froude[:, None] * (omega - np.outer(froude, omega**2) * np.cos(mu))
-        inside = (tau > calibration.CRITICAL_START) & (tau < calibration.CRITICAL_END)
-        for w in range(len(omega)):
-            outside = np.flatnonzero(~inside[:, w])
-            between = np.flatnonzero(inside[:, w] & (np.arange(len(froude)) < outside[-1]))
-            found[between, j, w] = np.interp(froude[between], froude[outside], force[outside, j, w])
+    found, froude = force.copy(), np.array(grid.froude)
+    inside = critical(froude, grid.heading_points, grid.omega_points)
+    for j, w in zip(*np.nonzero(inside.any(axis=0)), strict=True):
+        outside = np.flatnonzero(~inside[:, j, w])
+        between = inside[:, j, w] & (np.arange(len(froude)) < outside[-1])
+        known = force[outside, j, w]
+        found[between, j, w] = np.interp(froude[between], froude[outside], known)
     return found
 
 
