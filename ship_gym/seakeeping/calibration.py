@@ -48,10 +48,10 @@ TAU_BAND = 0.03
 # 7.2 and 5.0 at 0.45, 6.4 and 6.5 at 0.69).
 CRITICAL_START, CRITICAL_END = 0.22, 0.45
 
-# Share of the near field in the yaw moment at speed: 1 from here on, 0 at the second heading and
-# below. In seas from behind it is not resolved by 700 panels: KCS in waves of its length, 60 deg,
-# Fn 0.20: CN 0.016 with 712 panels, -0.014 with 2128 (Capytaine's sign: opposite); far field
-# -0.004 with both. At 120 deg 0.053 with both.
+# Share of the near field in the yaw moment at speed: 1 from the first heading on, 0 at the second
+# and below. In seas from behind it is not resolved by 700 panels: C_N of KCS in waves of its length
+# at 60 deg, Fn 0.20 is 0.016 with 712 panels and -0.014 with 2128 (far field -0.004); at 120 deg
+# -0.053 with both.
 NEAR_FIELD_FROM_DEG = 90.0
 FAR_FIELD_TO_DEG = 60.0
 
