@@ -26,7 +26,7 @@ from ship_gym.seakeeping import calibration
 from ship_gym.seakeeping.drift import drift, encounter_frequency
 from ship_gym.seakeeping.hull_mesh import HullMesh, lid
 from ship_gym.seakeeping.motions import ROLL, Radiation, RigidBody, absorbed_action, motions
-from ship_gym.seakeeping.near_field import near_field
+from ship_gym.seakeeping.near_field import near_field, short_wave_drift
 from ship_gym.seakeeping.radiation_diffraction import (
     Flow,
     HalfHull,
@@ -261,6 +261,35 @@ def across_critical(grid: Grid, force: np.ndarray) -> np.ndarray:
     return found
 
 
+def yaw_at_speed(problem: Problem, far: np.ndarray, near: np.ndarray) -> np.ndarray:
+    """Yaw moment about the origin from that of both fields, shape (f, h, w).
+
+    In head to beam seas the far field at rest, which is exact, and the change with speed by the
+    near field; of waves too short for the panels, by the short-wave asymptote.
+    """
+    grid, c = problem.grid, calibration
+    axes = grid.froude, grid.heading_points, grid.omega_points
+    tail = np.array(
+        [
+            [
+                [short_wave_drift(problem.surface, w * w, mu, U)[2] for w in axes[2]]
+                for mu in axes[1]
+            ]
+            for U in axes[0]
+        ]
+    )
+    ratio = 2.0 * np.pi / axes[2] ** 2
+    resolved = _ramp(ratio, c.SHORT_WAVES_TO, c.NEAR_FIELD_FROM)
+    change = resolved * (near - near[0]) + (1.0 - resolved) * (tail - tail[0])
+    ahead = _ramp(np.degrees(axes[1]), c.FAR_FIELD_TO_DEG, c.NEAR_FIELD_FROM_DEG)[:, None]
+    return far + ahead * (far[0] + change - far)
+
+
+def _ramp(x: np.ndarray, start: float, end: float) -> np.ndarray:
+    """0 below `start`, 1 above `end`, linear between."""
+    return np.clip((x - start) / (end - start), 0.0, 1.0)
+
+
 def coefficients(problem: Problem, cells: np.ndarray, beam: float) -> dict[str, np.ndarray]:
     """Drift coefficients and motions of `compute` in ship axes, as in `WaveTable`.
 
@@ -274,10 +303,7 @@ def coefficients(problem: Problem, cells: np.ndarray, beam: float) -> dict[str, 
     """
     surge, sway, far, near = np.moveaxis(cells[..., :4].real, -1, 0)
     surge, sway = (across_critical(problem.grid, force) for force in (surge, sway))
-    # the far field is exact at rest; in head to beam seas the near field has the change with speed
-    start, end = calibration.FAR_FIELD_TO_DEG, calibration.NEAR_FIELD_FROM_DEG
-    share = np.clip((np.degrees(problem.grid.heading_points) - start) / (end - start), 0.0, 1.0)
-    yaw = far + share[:, None] * (far[0] + near - near[0] - far)
+    yaw = yaw_at_speed(problem, far, near)
     # sway and yaw change sign with the half turn about x; the force on the centreline is zero
     CY, CN = -2.0 * sway, -2.0 * (yaw - problem.body.x_G * sway)
     moved = (cells[..., 5:] * _FLIP).conj()

@@ -26,7 +26,7 @@ import numpy as np
 
 from ship_gym.seakeeping.drift import encounter_frequency
 from ship_gym.seakeeping.radiation_diffraction import Flow
-from ship_gym.seakeeping.surface import Surface
+from ship_gym.seakeeping.surface import Surface, Waterline
 
 _SURGE_SWAY_YAW = [0, 1, 5]
 
@@ -98,6 +98,27 @@ def near_field(
     )
 
 
+def short_wave_drift(surface: Surface, k0: float, heading: float, speed: float) -> np.ndarray:
+    """Mean surge, sway and yaw of a held wall-sided hull in waves much shorter than it, (3,).
+
+    Faltinsen et al. (1980): the lit side of the waterline reflects the wave, F_n = 1/2 (k . n)
+    [(k . n) - 2 omega_0 U n_x] for unit k, times 1 - e^{-2 k T} of the wave above the keel.
+    """
+    line = surface.waterline
+    length = np.linalg.norm(line.normal, axis=1)
+    towards = line.normal @ [np.cos(heading), np.sin(heading), 0.0] / length
+    faster = 2.0 * np.sqrt(k0) * speed * line.normal[:, 0] / length
+    reflected = np.where(towards < 0.0, 0.5 * towards * (towards - faster), 0.0)
+    depth = -float(surface.half.panels[..., 2].min())
+    return (1.0 - np.exp(-2.0 * k0 * depth)) * _along(line, -reflected[:, None] * line.normal)
+
+
+def _along(line: Waterline, strip: np.ndarray) -> np.ndarray:
+    """Surge, sway and yaw of forces on the edges of the waterline, shape (e, 3)."""
+    lever = line.middle[:, 0] * strip[:, 1] - line.middle[:, 1] * strip[:, 0]
+    return np.array([*strip[:, :2].sum(axis=0), lever.sum()])
+
+
 def _mean(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Mean over a period of the product of two oscillations."""
     return 0.5 * (a * np.conj(b)).real
@@ -131,6 +152,4 @@ def _waterline(surface: Surface, elevation, xi, wave) -> np.ndarray:
     # of the incident wave i omega_0 phi, whatever the speed: e^{i k . x}
     relative = elevation + np.exp(line.middle @ wave)
     relative = relative - xi[2] - np.cross(xi[3:], line.middle)[:, 2]
-    strip = -0.5 * _mean(relative, relative)[:, None] * line.normal
-    lever = line.middle[:, 0] * strip[:, 1] - line.middle[:, 1] * strip[:, 0]
-    return np.array([*strip[:, :2].sum(axis=0), lever.sum()])
+    return _along(line, -0.5 * _mean(relative, relative)[:, None] * line.normal)
