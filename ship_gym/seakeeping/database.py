@@ -269,15 +269,9 @@ def yaw_at_speed(problem: Problem, far: np.ndarray, near: np.ndarray) -> np.ndar
     """
     grid, c = problem.grid, calibration
     axes = grid.froude, grid.heading_points, grid.omega_points
-    tail = np.array(
-        [
-            [
-                [short_wave_drift(problem.surface, w * w, mu, U)[2] for w in axes[2]]
-                for mu in axes[1]
-            ]
-            for U in axes[0]
-        ]
-    )
+    waves = [(w * w, mu, U) for U in axes[0] for mu in axes[1] for w in axes[2]]
+    tail = np.array([short_wave_drift(problem.surface, *wave)[2] for wave in waves])
+    tail = tail.reshape(far.shape)
     ratio = 2.0 * np.pi / axes[2] ** 2
     resolved = _ramp(ratio, c.SHORT_WAVES_TO, c.NEAR_FIELD_FROM)
     change = resolved * (near - near[0]) + (1.0 - resolved) * (tail - tail[0])
