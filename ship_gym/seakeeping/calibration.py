@@ -57,7 +57,7 @@ FAR_FIELD_TO_DEG = 60.0
 
 # Its share by wave length over L, beside the short-wave asymptote: a matter of panels per wave. At
 # 0.6 L and 120 deg, Fn 0.20, 712 panels of KCS give -0.116 and 2128 give -0.095; at 0.2 L the
-# change with speed of 712 panels is two to four times the asymptote's (ONRT: equal within 30 %).
+# change with speed of 712 panels is two to four times the asymptote's (ONRT: 1.2 to 1.6 times).
 SHORT_WAVES_TO = 0.4
 NEAR_FIELD_FROM = 0.6
 

@@ -8,7 +8,7 @@ from ship_gym.seakeeping.database import make_problem
 from ship_gym.seakeeping.drift import drift, encounter_frequency
 from ship_gym.seakeeping.hull_form import parametric_mesh
 from ship_gym.seakeeping.motions import Radiation, absorbed_action, motions
-from ship_gym.seakeeping.near_field import near_field
+from ship_gym.seakeeping.near_field import near_field, short_wave_drift
 from ship_gym.seakeeping.radiation_diffraction import diffraction, radiation
 
 pytest.importorskip("capytaine")
@@ -77,6 +77,29 @@ def test_sway_at_speed_changes_alike_in_both(heading_deg):
     rest, moving = (both(problem, 1.0, mu, speed) for speed in (0.0, 0.2))
     near = rest[0][1] + moving[1][1] - rest[1][1]
     assert near == pytest.approx(moving[0][1], rel=0.12)
+
+
+@pytest.mark.parametrize(
+    ("heading_deg", "printed"), [(150.0, 0.28), (120.0, 0.73), (90.0, 0.93), (60.0, 0.67)]
+)
+def test_short_wave_sway_at_rest(heading_deg, printed):
+    """Printed for another hull of KCS, see test_drift; waves so short that the draught is deep."""
+    found = short_wave_drift(problem_of("kcs_model").surface, 1e3, np.radians(heading_deg), 0.0)
+    assert 2.0 * found[1] == pytest.approx(printed, rel=0.07)
+
+
+@pytest.mark.parametrize("heading_deg", [90.0, 120.0, 150.0])
+def test_yaw_changes_with_speed_as_the_short_wave_asymptote_says(heading_deg):
+    """ONRT in waves of 0.2 L, Fn 0.10: reflection at the lit waterline is an independent way.
+
+    The near field has 1.2, 1.5 and 1.3 times its change with speed, the far field less than half.
+    """
+    problem, mu = problem_of("onrt_model"), np.radians(heading_deg)
+    k = 2.0 * np.pi / 0.2
+    tail = [short_wave_drift(problem.surface, k, mu, speed)[2] for speed in (0.0, 0.1)]
+    rest, moving = (both(problem, 0.2, mu, speed) for speed in (0.0, 0.1))
+    assert 0.8 < (moving[1][2] - rest[1][2]) / (tail[1] - tail[0]) < 1.6
+    assert abs(moving[0][2] - rest[0][2]) < 0.5 * abs(tail[1] - tail[0])
 
 
 def test_port_and_starboard():
