@@ -13,8 +13,7 @@ non-dimensional, so it serves every scale of the ship. A = wave amplitude, k = w
   sway, roll, yaw, CY and CN change sign. Only 0 <= mu <= pi is stored.
 
 Interpolate linearly in Froude number, heading and true frequency omega sqrt(L/g), never in the
-encounter frequency; Fn between 0 and 0.10 too (a spike at tau = 1/4 sits there). ``database``
-computes it.
+encounter frequency. ``database`` computes it.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ SURGE_MODELS = ("bem", "snnm", "blend")
 # What a cell of `uncertainty` means; the yaw moment at speed is within a factor 2 at best.
 UNCERTAINTY = {
     0: "at rest: exact within linear theory, verified against analytic results",
-    1: "150 to 180 deg at speed: surge mostly within 0.2 of SNNM's peak (rms; KVLCC2 up to 0.4)",
+    1: "150 to 180 deg at speed: surge within 0.2 of SNNM's peak (rms; S-175 up to 0.22)",
     2: "90 to 150 deg at speed: surge mostly within 0.35 of SNNM's peak (rms)",
     3: "below 90 deg at speed: factor 2, sway near 75 deg worse in places",
     4: "waves shorter than 0.4 L at speed: SNNM's head-sea surge 0.7 to 6 times this (S-175 23)",

@@ -12,6 +12,7 @@ import json
 import shutil
 import time
 from collections.abc import Callable, Iterable
+from functools import cached_property
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,8 @@ from ship_gym.sea.wave_table import BOUNDS, UNCERTAINTY, WaveTable
 from ship_gym.seakeeping import calibration
 from ship_gym.seakeeping.drift import drift, encounter_frequency
 from ship_gym.seakeeping.hull_mesh import HullMesh, lid
-from ship_gym.seakeeping.motions import ROLL, Radiation, RigidBody, motions
+from ship_gym.seakeeping.motions import ROLL, Radiation, RigidBody, absorbed_action, motions
+from ship_gym.seakeeping.near_field import near_field, short_wave_drift
 from ship_gym.seakeeping.radiation_diffraction import (
     Flow,
     HalfHull,
@@ -33,7 +35,8 @@ from ship_gym.seakeeping.radiation_diffraction import (
     radiation,
 )
 from ship_gym.seakeeping.snnm import added_resistance, snnm_hull
-from ship_gym.seakeeping.table_checks import uncertainty
+from ship_gym.seakeeping.surface import Surface
+from ship_gym.seakeeping.table_checks import critical, uncertainty
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
@@ -59,7 +62,7 @@ class Grid:
         the last one holds, where motions are negligible and panels too coarse.
     """
 
-    froude: tuple[float, ...] = (0.0, 0.10, 0.15, 0.20, 0.26, 0.30)
+    froude: tuple[float, ...] = (0.0, 0.05, 0.10, 0.15, 0.20, 0.26, 0.30)
     headings: int = 13
     frequencies: int = 40
     longest: float = 3.3
@@ -110,6 +113,11 @@ class Problem:
     body: RigidBody
     grid: Grid
 
+    @cached_property
+    def surface(self) -> Surface:
+        """Both sides of the hull, for the pressure on it."""
+        return Surface(self.hull)
+
 
 def head_weight(k0: float, heading: float) -> float:
     """Share of the solution with diffraction at the encounter frequency, at speed."""
@@ -129,7 +137,7 @@ def cell(
     heading: float,
     speed: float,
 ) -> np.ndarray:
-    """One cell in Capytaine's axes: surge, sway, yaw drift, energy closure, six motions.
+    """One cell in Capytaine's axes: drift, energy closure, six motions.
 
     Parameters
     ----------
@@ -145,26 +153,31 @@ def cell(
     Returns
     -------
     numpy.ndarray
-        complex, shape (10,).
+        complex, shape (11,): surge, sway and yaw by the far field, yaw by the near field, closure,
+        motions.
     """
     share = head_weight(k0, heading) if speed > 0.0 else 0.0
-    found = np.zeros(10, complex)
+    omega_e = encounter_frequency(k0, heading, speed)
+    found = np.zeros(11, complex)
     for weight, solution in ((1.0 - share, lambda: flow), (share, second)):
         if weight > 0.0:
             wave = k0, heading, speed
             xi, moving = motions(problem.hull, problem.body, solution(), waves, *wave)
-            d = drift(problem.hull, moving, *wave)
-            closure = d.action / d.extinction - 1.0 if d.extinction != 0.0 else 0.0
-            found += weight * np.array([d.surge, d.sway, d.yaw, closure, *xi])
+            absorbed = absorbed_action(problem.hull, problem.body, waves, xi, omega_e, speed)
+            d = drift(problem.hull, moving, *wave, absorbed=absorbed)
+            near = near_field(problem.surface, moving, xi, *wave).total[2]
+            lost = d.action + d.absorbed
+            closure = lost / d.extinction - 1.0 if d.extinction != 0.0 else 0.0
+            found += weight * np.array([d.surge, d.sway, d.yaw, near, closure, *xi])
     return found
 
 
 def frequency_row(problem: Problem, waves: Radiation, index: int) -> np.ndarray:
-    """All cells of one true frequency, complex, shape (froude, headings, 10), see `cell`."""
+    """All cells of one true frequency, complex, shape (froude, headings, 11), see `cell`."""
     grid = problem.grid
     k0 = float(grid.omega_points[index] ** 2)
     flows = diffraction(problem.hull, k0, grid.heading_points)
-    rows = np.empty((len(grid.froude), grid.headings, 10), complex)
+    rows = np.empty((len(grid.froude), grid.headings, 11), complex)
     for i, speed in enumerate(grid.froude):
         for j, heading in enumerate(grid.heading_points):
             encounter_k = encounter_frequency(k0, heading, speed) ** 2
@@ -197,7 +210,7 @@ def compute(
     Returns
     -------
     numpy.ndarray
-        complex, shape (froude, headings, frequencies, 10), see `cell`.
+        complex, shape (froude, headings, frequencies, 11), see `cell`.
     """
     grid = problem.grid
     work.mkdir(parents=True, exist_ok=True)
@@ -230,6 +243,47 @@ def _keep(path: Path, function: Callable[..., np.ndarray], *arguments) -> None:
         np.save(file, result)
 
 
+def across_critical(grid: Grid, force: np.ndarray) -> np.ndarray:
+    """Far-field force with the cells above tau = 1/4 replaced, shape (f, h, w).
+
+    There the gap between long and short free waves has just closed, and short ones that the flow of
+    the resting hull does not resolve enter at once: at Fn 0.10 they are more than half of KVLCC2's
+    surge. A cell of `critical` takes the straight line in Froude number between the next speeds
+    outside of the band; without a faster one it stays.
+    """
+    found, froude = force.copy(), np.array(grid.froude)
+    inside = critical(froude, grid.heading_points, grid.omega_points)
+    for j, w in zip(*np.nonzero(inside.any(axis=0)), strict=True):
+        outside = np.flatnonzero(~inside[:, j, w])
+        between = inside[:, j, w] & (np.arange(len(froude)) < outside[-1])
+        known = force[outside, j, w]
+        found[between, j, w] = np.interp(froude[between], froude[outside], known)
+    return found
+
+
+def yaw_at_speed(problem: Problem, far: np.ndarray, near: np.ndarray) -> np.ndarray:
+    """Yaw moment about the origin from that of both fields, shape (f, h, w).
+
+    In head to beam seas the far field at rest, which is exact, and the change with speed by the
+    near field; of waves too short for the panels, by the short-wave asymptote.
+    """
+    grid, c = problem.grid, calibration
+    axes = grid.froude, grid.heading_points, grid.omega_points
+    waves = [(w * w, mu, U) for U in axes[0] for mu in axes[1] for w in axes[2]]
+    tail = np.array([short_wave_drift(problem.surface, *wave)[2] for wave in waves])
+    tail = tail.reshape(far.shape)
+    ratio = 2.0 * np.pi / axes[2] ** 2
+    resolved = _ramp(ratio, c.SHORT_WAVES_TO, c.NEAR_FIELD_FROM)
+    change = resolved * (near - near[0]) + (1.0 - resolved) * (tail - tail[0])
+    ahead = _ramp(np.degrees(axes[1]), c.FAR_FIELD_TO_DEG, c.NEAR_FIELD_FROM_DEG)[:, None]
+    return far + ahead * (far[0] + change - far)
+
+
+def _ramp(x: np.ndarray, start: float, end: float) -> np.ndarray:
+    """0 below `start`, 1 above `end`, linear between."""
+    return np.clip((x - start) / (end - start), 0.0, 1.0)
+
+
 def coefficients(problem: Problem, cells: np.ndarray, beam: float) -> dict[str, np.ndarray]:
     """Drift coefficients and motions of `compute` in ship axes, as in `WaveTable`.
 
@@ -237,14 +291,16 @@ def coefficients(problem: Problem, cells: np.ndarray, beam: float) -> dict[str, 
     ----------
     problem : Problem
     cells : numpy.ndarray
-        Shape (f, h, w, 10).
+        Shape (f, h, w, 11).
     beam : float
         B / L.
     """
-    surge, sway, yaw = np.moveaxis(cells[..., :3].real, -1, 0)
+    surge, sway, far, near = np.moveaxis(cells[..., :4].real, -1, 0)
+    surge, sway = (across_critical(problem.grid, force) for force in (surge, sway))
+    yaw = yaw_at_speed(problem, far, near)
     # sway and yaw change sign with the half turn about x; the force on the centreline is zero
     CY, CN = -2.0 * sway, -2.0 * (yaw - problem.body.x_G * sway)
-    moved = (cells[..., 4:] * _FLIP).conj()
+    moved = (cells[..., 5:] * _FLIP).conj()
     moved[..., ROLL:] /= (problem.grid.omega_points**2)[:, None]
     for symmetric in (CY, CN, moved[..., 1], moved[..., 3], moved[..., 5]):
         symmetric[:, [0, -1]] = 0.0  # exactly, where the sea is symmetric
@@ -386,7 +442,7 @@ def checks(table: WaveTable, cells: np.ndarray) -> dict[str, Any]:
     ----------
     table : WaveTable
     cells : numpy.ndarray
-        As of `compute`; the fourth column holds the energy closure.
+        As of `compute`; the fifth column holds the energy closure.
 
     Returns
     -------
@@ -404,7 +460,7 @@ def checks(table: WaveTable, cells: np.ndarray) -> dict[str, Any]:
         for name, values in (("CX", table.CX_bem), ("CY", table.CY), ("CN", table.CN))
     }
     return {
-        "energy": float(np.max(np.abs(cells[0, -1, resolved, 3].real), initial=0.0)),
+        "energy": float(np.max(np.abs(cells[0, -1, resolved, 4].real), initial=0.0)),
         "fore_aft": float(np.max(np.abs((head + following)[middle] / head[middle]), initial=0.0)),
         "largest": largest,
         "within_bounds": all(largest[name] <= limit for name, limit in BOUNDS.items()),

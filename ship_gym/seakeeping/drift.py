@@ -14,8 +14,10 @@ wave action per unit time
     dA = 1/(8 pi) sgn(sigma) (kappa / m) [|H(kx, m)|^2 + |H(kx, -m)|^2] dkx,   kappa > |kx|.
 
 Each unit of action was taken from the incident wave, of wave number vector k0, and carries off its
-own: F = Int (k0 - k) dA. At zero speed this is exact (Maruo 1960; Newman 1967 for yaw). At speed it
-is an approximation (see ``calibration.py`` for its constants) and yaw lacks a near-field term.
+own: F = Int (k0 - k) dA. Damping that radiates no waves (roll, lift) takes action too, which came
+with k0 and goes nowhere: F gains k0 times it. At zero speed this is exact (Maruo 1960; Newman 1967
+for yaw, which holds with damping as it is). At speed it is an approximation (see ``calibration.py``
+for its constants) and yaw lacks a term that `near_field` has.
 """
 
 from __future__ import annotations
@@ -26,6 +28,8 @@ import numpy as np
 
 from ship_gym.seakeeping import calibration
 from ship_gym.seakeeping.radiation_diffraction import Flow, HalfHull
+
+_HEAVE, _PITCH = 2, 4
 
 
 @dataclasses.dataclass(frozen=True)
@@ -39,7 +43,9 @@ class Drift:
     action : float
         Radiated wave action per unit time.
     extinction : float
-        The same from the incident wave's loss (optical theorem); equal without damping.
+        The incident wave's loss (optical theorem): at rest what is radiated and absorbed.
+    absorbed : float
+        Action per unit time that damping beyond potential flow takes.
     """
 
     surge: float
@@ -47,6 +53,7 @@ class Drift:
     yaw: float
     action: float
     extinction: float
+    absorbed: float = 0.0
 
 
 def kochin(
@@ -134,6 +141,7 @@ def drift(
     heading: float,
     speed: float = 0.0,
     draught: float | None = None,
+    absorbed: np.ndarray | None = None,
 ) -> Drift:
     """Mean drift force on a hull in a wave of unit amplitude.
 
@@ -150,11 +158,29 @@ def drift(
         Froude number.
     draught : float, optional
         By L; deepest panel if omitted. Bounds the short waves at speed.
+    absorbed : numpy.ndarray, optional
+        Action per unit time that the damping of each mode takes, as of ``absorbed_action``, shape
+        (6,); none if omitted.
 
     Returns
     -------
     Drift
     """
+    found = _radiated(hull, flow, k0, heading, speed, draught)
+    if absorbed is None:
+        return found
+    # surge was calibrated without the part of heave and pitch, see ``calibration.py``
+    along = absorbed.sum() - absorbed[[_HEAVE, _PITCH]].sum()
+    return dataclasses.replace(
+        found,
+        surge=found.surge + k0 * float(np.cos(heading) * along),
+        sway=found.sway + k0 * float(np.sin(heading) * absorbed.sum()),
+        absorbed=float(absorbed.sum()),
+    )
+
+
+def _radiated(hull, flow, k0, heading, speed, draught) -> Drift:
+    """Drift of a hull whose damping is that of its waves."""
     omega_e = encounter_frequency(k0, heading, speed)
     if speed == 0.0:
         kx, weight = _circle(k0)

@@ -146,6 +146,25 @@ def added_damping(
     return np.diag(damping)
 
 
+def absorbed_action(
+    hull: HalfHull,
+    body: RigidBody,
+    radiation: Radiation,
+    xi: np.ndarray,
+    omega_e: float,
+    speed: float = 0.0,
+) -> np.ndarray:
+    """Wave action per unit time that `added_damping` takes in each mode, shape (6,).
+
+    Power 1/2 omega_e^2 B |xi|^2 by omega_e, for motions `xi` of a wave of unit amplitude; negative
+    where the ship overtakes the waves, as in `drift`.
+    """
+    added_mass = -np.diag(impedance(hull, radiation.at(omega_e))).real
+    draught = float(-hull.panels[..., 2].min())
+    B = added_damping(body, restoring(hull, body), added_mass, speed, draught)
+    return 0.5 * omega_e * np.diag(B) * np.abs(xi) ** 2
+
+
 def motions(
     hull: HalfHull,
     body: RigidBody,

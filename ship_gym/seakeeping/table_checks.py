@@ -8,6 +8,14 @@ from ship_gym.sea.wave_table import SNNM_SHORT, WaveTable
 from ship_gym.seakeeping import calibration
 
 
+def critical(froude: np.ndarray, heading: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """Cells above tau = 1/4 in seas from ahead to abeam, where tau grows with speed, (f, h, w)."""
+    U, mu, w = np.meshgrid(froude, heading, omega, indexing="ij")
+    tau = U * (w - w**2 * U * np.cos(mu))
+    inside = (tau > calibration.CRITICAL_START) & (tau < calibration.CRITICAL_END)
+    return inside & (np.cos(mu) < 1e-9)
+
+
 def uncertainty(froude: np.ndarray, heading: np.ndarray, omega: np.ndarray) -> np.ndarray:
     """Class of every cell, see `UNCERTAINTY`, uint8, shape (f, h, w)."""
     U, mu, w = np.meshgrid(froude, heading, omega, indexing="ij")
@@ -15,6 +23,7 @@ def uncertainty(froude: np.ndarray, heading: np.ndarray, omega: np.ndarray) -> n
     found = np.select([mu > np.radians(149.9), mu > np.radians(89.9)], [1, 2], 3)
     found = np.where(2.0 * np.pi / w**2 < SNNM_SHORT, 4, found)
     narrow = np.abs(np.abs(omega_e) * U - 0.25) < calibration.TAU_BAND
+    narrow |= critical(froude, heading, omega)
     found = np.where(narrow | (np.abs(omega_e) < calibration.FADE_FREQUENCY), 5, found)
     return np.where(U == 0.0, 0, found).astype(np.uint8)
 

@@ -10,6 +10,7 @@ from ship_gym.sea.wave_table import UNCERTAINTY, WaveTable, snnm_weight
 from ship_gym.seakeeping import database
 from ship_gym.seakeeping.database import (
     Grid,
+    across_critical,
     build,
     cell,
     head_weight,
@@ -21,7 +22,7 @@ from ship_gym.seakeeping.hull_form import parametric_mesh
 from ship_gym.seakeeping.motions import Radiation
 from ship_gym.seakeeping.radiation_diffraction import diffraction, radiation
 from ship_gym.seakeeping.snnm import added_resistance, snnm_hull
-from ship_gym.seakeeping.table_checks import compare_with_snnm, uncertainty
+from ship_gym.seakeeping.table_checks import compare_with_snnm, critical, uncertainty
 
 pytest.importorskip("capytaine")
 pytest.importorskip("joblib")
@@ -165,6 +166,24 @@ def test_snnm_weight():
     np.testing.assert_allclose(weight[2, 3], [0.0, 0.5, 1.0], atol=1e-9)
 
 
+def test_surge_and_sway_just_above_tau_one_quarter_lie_between_slower_and_faster_speeds():
+    grid = Grid((0.0, 0.05, 0.10, 0.15, 0.20), 3, 4, longest=2.0, shortest=0.5)
+    force = np.random.default_rng(1).normal(size=(5, 3, 4))
+    found = across_critical(grid, force)
+    axes = np.array(grid.froude), grid.heading_points, grid.omega_points
+    U, mu, w = np.meshgrid(*axes, indexing="ij")
+    tau = U * (w - w**2 * U * np.cos(mu))
+    outside = (tau <= 0.22) | (tau >= 0.45) | (mu < 1.5)
+    np.testing.assert_array_equal(found[outside], force[outside])
+    assert (found == force)[:, 0].all()  # following seas
+    # head sea, omega 1.77: tau 0.10, 0.21, 0.34, 0.48, so Fn 0.15 alone
+    assert grid.omega_points[0] == pytest.approx(1.7725, abs=1e-4)
+    assert found[3, 2, 0] == pytest.approx(0.5 * (force[2, 2, 0] + force[4, 2, 0]))
+    # beam sea: tau 0.27 and 0.35 at the last two speeds; without a faster one they stay
+    assert critical(*axes)[3:, 1, 0].all()
+    assert (found[3:, 1, 0] == force[3:, 1, 0]).all()
+
+
 def test_uncertainty_classes():
     froude, heading = np.array([0.0, 0.2]), np.radians([0.0, 90.0, 150.0, 180.0])
     omega = np.sqrt(2.0 * np.pi / np.array([1.5, 1.0, 0.3]))
@@ -172,6 +191,7 @@ def test_uncertainty_classes():
     assert (found[0] == 0).all() and set(np.unique(found)) <= set(UNCERTAINTY)
     np.testing.assert_array_equal(found[1, :, 1], [5, 2, 1, 1])  # tau 0.25 in following sea
     assert (found[1, 2:, 2] == 4).all()
+    assert (uncertainty(np.array([0.10]), np.radians([180.0]), omega)[0, 0] == [5, 5, 4]).all()
 
 
 def test_head_weight():
