@@ -80,9 +80,10 @@ def turned_by_torque(n, wanted, torque, time, engine):
     """Propeller speed [rev/s], limited by what the engine's torque can do to the shaft in `time`.
 
     2 pi I n' = Q_engine - Q. The engine gives up to `torque_max` in its direction of turning and
-    holds up to `torque_brake` against it; one that stands and is ordered to stand only holds. The propeller's torque is taken as linear in n about its
-    present value, with the slope 2 torque_max / n_max that it has at the limit, so that a shaft
-    far lighter than the step is long finds its speed without ringing.
+    holds up to `torque_brake` against it; one that stands and is ordered to stand only holds. The
+    propeller's torque is taken as linear in n about its present value, with the slope
+    2 torque_max / n_max that it has at the limit, so that a shaft far lighter than the step is long
+    finds its speed without ringing.
     """
     turning = n if n != 0.0 else wanted
     most = engine.torque_max if turning > 0.0 else engine.torque_brake
