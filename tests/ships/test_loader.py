@@ -9,6 +9,7 @@ from ship_gym.config import ConfigError
 from ship_gym.ships import available_surrogates, available_variants, load_ship
 from ship_gym.ships.files import DATA
 from ship_gym.ships.loader import attach_surrogate, with_beaufoy
+from ship_gym.ships.particulars import check_sections
 from ship_gym.ships.records import anchored
 
 
@@ -193,3 +194,17 @@ def test_a_wrong_ship_file_names_the_field(own_ship, old, new, words):
         load_ship(str(own_ship))
     for word in words:
         assert word in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "value", "message"),
+    [
+        ("onrt_model", "neutral", 0.01, "rudder.neutral = 0.01 rad: allowed is 0 with two"),
+        ("kcs_model", "gamma_R_over", -0.1, "rudder.gamma_R_over = -0.1"),
+    ],
+)
+def test_a_rudder_law_out_of_range_is_refused(name, field, value, message):
+    ship = load_ship(name)
+    bad = dataclasses.replace(ship, rudder=dataclasses.replace(ship.rudder, **{field: value}))
+    with pytest.raises(ConfigError, match=message):
+        check_sections(bad)
