@@ -67,6 +67,17 @@ def test_kvlcc2_stops_further_with_less_astern():
     )
 
 
+@pytest.mark.parametrize("name", ["kcs_model", "kvlcc2_model", "dtc_model", "s175", "onrt_model"])
+def test_engine_of_a_ship_that_is_not_scaled_is_what_her_file_says(name):
+    ship = load_ship(name)
+    engine, point = ship.engine, powering(ship)
+    torque = point.torque / ship.propellers * (engine.n_max / point.n) ** 2
+    assert engine.torque_max == pytest.approx(torque, rel=1e-3)
+    assert engine.torque_brake == pytest.approx(0.2 * engine.torque_max, rel=1e-3)
+    assert engine.n_astern == pytest.approx(0.6 * engine.n_max)
+    assert engine.shaft_inertia == pytest.approx(0.01 * ship.rho * ship.propeller.D**5, rel=1e-3)
+
+
 @pytest.mark.parametrize("name", ["kcs", "kvlcc2", "dtc"])
 def test_torque_limit_is_that_of_the_ship_not_of_her_model(name):
     """Of a scaled ship 1.3 times the torque at service speed, braking a fifth of it."""
