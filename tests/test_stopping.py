@@ -12,6 +12,7 @@ from ship_gym.conventions import KNOT
 from ship_gym.manoeuvres import imo_limits
 from ship_gym.sea import Sea
 from ship_gym.ships import load_ship
+from ship_gym.ships.powering import powering
 from ship_gym.ships.scaling import scaled
 from ship_gym.simulation import ShipSim, longest_step, self_propulsion, straight_forces
 from ship_gym.stability import spiral
@@ -56,6 +57,35 @@ def test_stopping_distance_is_of_the_order_of_imos_limit(name):
     reach = stopping(ship).track_reach
     assert imo_limits(ship, ship.speed)["track_reach"] == 15.0
     assert reach < (20.0 if name == "kvlcc2" else 15.0)
+
+
+def test_kvlcc2_stops_further_with_less_astern():
+    """The gap that her ship file names: with 0.6 of n_max beyond IMO's 20 L."""
+    ship = load_ship("kvlcc2")
+    assert stopping(ship, order=-0.6 * ship.engine.n_max).track_reach == pytest.approx(
+        24.1, abs=0.1
+    )
+
+
+@pytest.mark.parametrize("name", ["kcs_model", "kvlcc2_model", "dtc_model", "s175", "onrt_model"])
+def test_engine_of_a_ship_that_is_not_scaled_is_what_her_file_says(name):
+    ship = load_ship(name)
+    engine, point = ship.engine, powering(ship)
+    torque = point.torque / ship.propellers * (engine.n_max / point.n) ** 2
+    assert engine.torque_max == pytest.approx(torque, rel=1e-3)
+    assert engine.torque_brake == pytest.approx(0.2 * engine.torque_max, rel=1e-3)
+    assert engine.n_astern == pytest.approx(0.6 * engine.n_max)
+    assert engine.shaft_inertia == pytest.approx(0.01 * ship.rho * ship.propeller.D**5, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["kcs", "kvlcc2", "dtc"])
+def test_torque_limit_is_that_of_the_ship_not_of_her_model(name):
+    """Of a scaled ship 1.3 times the torque at service speed, braking a fifth of it."""
+    ship = load_ship(name)
+    knots = {"kcs": 24.0, "kvlcc2": 15.5, "dtc": 24.0}[name]
+    engine, torque = ship.engine, powering(ship, knots * KNOT).torque
+    assert engine.torque_max == pytest.approx(1.3 * torque, rel=0.02)
+    assert engine.torque_brake == pytest.approx(0.2 * engine.torque_max)
 
 
 @pytest.mark.parametrize(("deduction", "reach"), [(0.0, 27.0), (None, 28.8)])

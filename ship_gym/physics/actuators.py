@@ -80,13 +80,14 @@ def turned_by_torque(n, wanted, torque, time, engine):
     """Propeller speed [rev/s], limited by what the engine's torque can do to the shaft in `time`.
 
     2 pi I n' = Q_engine - Q. The engine gives up to `torque_max` in its direction of turning and
-    holds up to `torque_brake` against it. The propeller's torque is taken as linear in n about its
-    present value, with the slope 2 torque_max / n_max that it has at the limit, so that a shaft
-    far lighter than the step is long finds its speed without ringing.
+    holds up to `torque_brake` against it; one that stands and is ordered to stand only holds. The
+    propeller's torque is taken as linear in n about its present value, with the slope
+    2 torque_max / n_max that it has at the limit, so that a shaft far lighter than the step is long
+    finds its speed without ringing.
     """
-    ahead = n > 0.0 or (n == 0.0 and wanted >= 0.0)
-    most = engine.torque_max if ahead else engine.torque_brake
-    least = -engine.torque_brake if ahead else -engine.torque_max
+    turning = n if n != 0.0 else wanted
+    most = engine.torque_max if turning > 0.0 else engine.torque_brake
+    least = -engine.torque_max if turning < 0.0 else -engine.torque_brake
     if wanted == n and least <= torque <= most:
         return n
     slope = 2.0 * engine.torque_max / engine.n_max

@@ -389,7 +389,8 @@ def attach_surrogate(ship: Named | Ship, table: Table, name: str) -> Ship:
     A ship whose open-water curve and rudder constants are measured keeps them all, of its own hull
     set: the MMG rudder with its interaction (t_R, a_H, x_H) at small angles, and straight ahead
     the thrust of the open-water curve in the wake, to which the surrogate's is shifted
-    (``records.anchored``). At the trained angle the rudder force is the surrogate's.
+    (``records.anchored``), if its range holds zero drift. At the trained angle the rudder force is
+    the surrogate's.
 
     A ship with estimates there gets the effective-inflow law that was fitted to the samples in the
     table's card (area, gradient and height in the race too), and no steering deduction: the
@@ -420,8 +421,10 @@ def attach_surrogate(ship: Named | Ship, table: Table, name: str) -> Ship:
             f"{ship.propellers}"
         )
     domain = {**table.card["domain"], "S_R": made["A_R"] * ratio**2}
-    card = {**table.card, "domain": domain, "anchored": has_captive_set(ship)}
-    if not card["anchored"]:
+    measured, drift = has_captive_set(ship), table.axes[-1]
+    known_ahead = drift.start <= 0.0 <= drift.stop  # else there is no point to shift it by
+    card = {**table.card, "domain": domain, "anchored": measured and known_ahead}
+    if not measured:
         ship = _with_fitted_law(ship, table.card, name)
     return dataclasses.replace(
         ship, surrogate=dataclasses.replace(table, card=card), surrogate_name=name

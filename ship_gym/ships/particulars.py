@@ -357,9 +357,7 @@ def check_sections(ship: Ship) -> None:
         "gear": ("delta_max", "rate"),
         "engine": ("n_max", "rate", "torque_max"),
     }
-    for name in ("n_astern", "reversal_time", "torque_brake", "shaft_inertia"):
-        check_number(f"{ship.name}: engine.{name}", getattr(ship.engine, name), 0.0)
-    check_number(f"{ship.name}: engine.n_astern", ship.engine.n_astern, 0.0, ship.engine.n_max)
+    _check_engine_and_rudder(ship)
     for section, names in positive.items():
         for name in names:
             value = getattr(getattr(ship, section), name)
@@ -375,6 +373,19 @@ def check_sections(ship: Ship) -> None:
     inertia = ship.inertia
     if inertia.m_v * inertia.I_r <= inertia.m_xG**2 or not np.isfinite(inertia.I_r):
         raise ConfigError(f"{ship.name}: the mass matrix is not positive definite")
+
+
+def _check_engine_and_rudder(ship: Ship) -> None:
+    """Refuse an engine or a rudder law out of range."""
+    for name in ("n_astern", "reversal_time", "torque_brake", "shaft_inertia"):
+        check_number(f"{ship.name}: engine.{name}", getattr(ship.engine, name), 0.0)
+    check_number(f"{ship.name}: engine.n_astern", ship.engine.n_astern, 0.0, ship.engine.n_max)
+    check_number(f"{ship.name}: rudder.gamma_R_over", ship.rudder.gamma_R_over, 0.0, math.pi)
+    if ship.propellers == 2 and ship.rudder.neutral != 0.0:
+        raise ConfigError(
+            f"{ship.name}: rudder.neutral = {ship.rudder.neutral:g} rad: allowed is 0 with two "
+            "propellers, whose swirls mirror each other"
+        )
 
 
 def _check_form(ship: Ship) -> None:

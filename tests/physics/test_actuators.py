@@ -102,6 +102,16 @@ def test_water_turns_a_shaft_that_the_brake_cannot_hold():
     assert driven(-0.5 * brake) == pytest.approx(-1.0, rel=1e-3)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_stopped_engine_only_brakes(side):
+    """Ahead or with sternway, water that is stronger than the brake turns the shaft."""
+    brake = float(ENGINE.torque_brake)
+    assert engine_after(0.0, 0.0, side * 0.9 * brake, 1.0, ENGINE) == 0.0
+    turned = engine_after(0.0, 0.0, side * 1.5 * brake, 1.0, ENGINE)
+    assert turned * side < 0.0
+    assert turned == -engine_after(0.0, 0.0, -side * 1.5 * brake, 1.0, ENGINE)
+
+
 def test_inside_its_limits_the_torque_does_nothing():
     for n, command in ((1.0, 1.0), (1.0, 1.01), (1.3, 0.8)):
         found = engine_after(n, command, 0.1 * float(ENGINE.torque_max), 0.5, ENGINE)

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from ship_gym.physics.propeller import TRUST, advance_ratio
+from ship_gym.physics.propeller import TRUST, advance_ratio, shaft_power
 from ship_gym.physics.rudder import KAPPA_ASTERN, axial_inflow, normal_force, race_inflow
 from ship_gym.ships import available_ships, load_ship
 from ship_gym.ships.scaling import scaled
@@ -136,3 +136,18 @@ def test_sternway_has_no_wake():
     C_T = ship.open_water(math.atan2(u, 0.7 * math.pi * n * D))[0]
     q = 0.125 * math.pi * ship.rho * (u**2 + (0.7 * math.pi * n * D) ** 2) * D**2
     assert straight_forces(ship, u, n)[1].thrust == pytest.approx(q * C_T, rel=1e-9)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("name", available_ships())
+def test_calm_water_takes_energy_from_every_motion(name):
+    """The forces of hull, propellers and rudders do less work than the shafts put in."""
+    ship, rng = load_ship(name), np.random.default_rng(0)
+    low = np.array([-1.0, -0.6, -1.0, -ship.gear.delta_max, -ship.engine.n_astern])
+    high = np.array([1.2, 0.6, 1.0, ship.gear.delta_max, ship.engine.n_max])
+    for row in rng.uniform(low, high, (2000, 5)):
+        motion = row[:3] * ship.speed * np.array([1.0, 1.0, 1.0 / ship.hull.L])
+        for n in (row[4], 0.0):  # in every quadrant, and with the shaft stopped
+            hull, propeller, rudder, flow = forces(tuple(motion), (row[3], n), *SHIPS[name])
+            work = (np.array(hull) + propeller + rudder) @ motion
+            assert work < shaft_power(n, flow[4])

@@ -116,3 +116,11 @@ def test_stopped_screw_is_dragged_and_turned(ship):
 def test_what_stands_for_the_propeller_is_named_as_an_estimate():
     text = load_ship("kvlcc2_model").estimated["open_water.four_quadrants"]
     assert "4 blades" in text and "0.721" in text
+
+
+@pytest.mark.parametrize("name", ["kcs_model", "kvlcc2_model", "dtc_model", "s175", "onrt_model"])
+def test_a_propeller_gives_no_more_than_it_gets(name):
+    """T u_A <= 2 pi n Q at every advance angle: no thrust for nothing, no free windmill."""
+    epsilon = np.linspace(-math.pi, math.pi, 3001)
+    C_T, C_Q = load_ship(name).open_water(epsilon).T
+    assert (C_T * np.sin(epsilon) - C_Q * np.cos(epsilon) * 2.0 / 0.7).max() <= 0.0

@@ -9,6 +9,8 @@ from ship_gym.config import ConfigError
 from ship_gym.ships import available_surrogates, available_variants, load_ship
 from ship_gym.ships.files import DATA
 from ship_gym.ships.loader import attach_surrogate, with_beaufoy
+from ship_gym.ships.particulars import check_sections
+from ship_gym.ships.records import anchored
 
 
 def test_every_number_has_a_source(ship):
@@ -70,6 +72,16 @@ def test_one_estimate_is_enough_to_take_the_fitted_law():
     ratio = bare.rudder.gamma_R_n / bare.rudder.gamma_R_p
     assert ship.rudder.gamma_R_n == pytest.approx(law["gamma_R"]["single"] * ratio)
     assert not ship.surrogate.card["anchored"]
+
+
+def test_a_surrogate_of_large_drift_only_is_not_shifted_by_a_point_it_does_not_know():
+    bare, whole = (load_ship("kcs_model", surrogate=k) for k in ("none", None))
+    epsilon, drift = whole.surrogate.axes
+    away = dataclasses.replace(drift, start=math.radians(10.0))
+    table = dataclasses.replace(whole.surrogate, axes=(epsilon, away))
+    ship = attach_surrogate(bare, table, "own")
+    assert not ship.surrogate.card["anchored"] and anchored(ship) is ship.surrogate
+    assert ship.rudder == bare.rudder  # her captive set is measured all the same
 
 
 def test_a_table_of_the_model_fits_the_full_scale_ship_and_no_other():
@@ -182,3 +194,17 @@ def test_a_wrong_ship_file_names_the_field(own_ship, old, new, words):
         load_ship(str(own_ship))
     for word in words:
         assert word in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "value", "message"),
+    [
+        ("onrt_model", "neutral", 0.01, "rudder.neutral = 0.01 rad: allowed is 0 with two"),
+        ("kcs_model", "gamma_R_over", -0.1, "rudder.gamma_R_over = -0.1"),
+    ],
+)
+def test_a_rudder_law_out_of_range_is_refused(name, field, value, message):
+    ship = load_ship(name)
+    bad = dataclasses.replace(ship, rudder=dataclasses.replace(ship.rudder, **{field: value}))
+    with pytest.raises(ConfigError, match=message):
+        check_sections(bad)
