@@ -157,7 +157,7 @@ class Surrogate:
     epsilon_step: float = quantity("rad", "table: step of the advance angle", 1.0)
     beta_start: float = quantity("rad", "table: first drift angle", 0.0)
     beta_step: float = quantity("rad", "table: step of the drift angle", 1.0)
-    law_std: float = quantity("-", "rms relative error of the effective-inflow law", 0.0)
+    law_std: float = quantity("-", "rms relative error of the law fitted to the samples", 0.0)
     z_T: float = quantity("-", "thrust moved by this many standard deviations", 0.0)
     z_Q: float = quantity("-", "torque moved by this many standard deviations", 0.0)
     z_S: float = quantity("-", "propeller side force moved by this many", 0.0)
