@@ -188,12 +188,14 @@ _BEAUFOY = (
 )
 _MMG = (
     "MMG: effective-inflow law of Yasukawa & Yoshimura (2015), rudder of hull set B, 5/6 of it for "
-    "the movable part. Printed: U, l_R, gamma_R, and r' = L/R of the facilities' mean circle."
+    "the movable part, as a formula by area has it (Knight's CFD has 1.07 there, which the trials "
+    "take). Printed: U, l_R, gamma_R, and r' = L/R of the facilities' mean circle."
 )
 _J_B = (
     "n of J_B = U/(J_B D) with the printed J_B. For HU it is within 3 % of self-propulsion. For "
-    "IIHR it is 16 to 23 % above, and the force then far above the printed one: the J_B printed "
-    "for IIHR does not belong to the U printed for it; the printed MMG forces go with constant n."
+    "IIHR it is 16 to 23 % above, and the force then far above the printed one, measured and MMG. "
+    "Our whole model makes the printed U/U0 at Fn 0.157 with n of J_B (ship-gym trials), not with "
+    "constant n: speed and J_B of IIHR go together, the forces do not go with them."
 )
 
 
