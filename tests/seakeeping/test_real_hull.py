@@ -52,7 +52,7 @@ def in_waves(ship, mesh):
 
         found = cell(problem, ahead, second, waves, k0, np.pi, FROUDE)
         CX.append(found[0].real / (ship.hull.B / ship.hull.L) ** 2)
-        heave.append(abs(found[4 + HEAVE]))
+        heave.append(abs(found[5 + HEAVE]))
         rest = [
             cell(problem, flow, None, waves, k0, mu, 0.0)
             for flow, mu in zip(oblique, headings, strict=False)
