@@ -124,7 +124,7 @@ def behind_hull(X: np.ndarray, wake: tuple[float, float]) -> np.ndarray:
 
 
 def ship_wake() -> tuple[float, float]:
-    """w_P0 and C of the KCS model with hull set C, whose wake has this form; set B's has another."""
+    """w_P0 and C of KCS with hull set C, whose wake has this form; set B's has another."""
     propeller = load_ship("kcs_model", variant="hull_c", surrogate="none").propeller
     return propeller.w_P0, propeller.wake_beta2
 
