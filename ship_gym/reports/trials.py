@@ -254,5 +254,5 @@ standard deviation (SD) of the facilities where one is printed, and the last col
 difference in it. The force of the movable part of the rudder is that of the whole rudder by a
 factor of the ship file, whose source stands there. Full-scale ships have the trials of their models
 and are left out. MARIN's rudder force of KCS is printed by the area of the movable part; whether it
-was measured on it is not said. By its coefficient of 0.627 (to port, approach speed) it is far below
-Hiroshima University's 0.876."""
+was measured on it is not said. Its coefficient (to port, by the approach speed) is 0.627, Hiroshima
+University's 0.876."""
