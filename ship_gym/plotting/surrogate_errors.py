@@ -116,7 +116,7 @@ def plot_errors(fit: Fit, path: str | os.PathLike) -> dict[str, dict[str, dict[s
             means[side] = {}
             for column, (name, parts) in enumerate(quantities.items()):
                 axes = figure.add_subplot(len(found), columns, row * columns + column + 1)
-                norm = error_budget(data, name, side, fit.models[side][name]).total
+                norm = error_budget(data, name, side, fit.errors(side)[name]).total
                 means[side][name] = _bars(axes, parts, norm)
                 axes.set_title(SYMBOLS[name] + ("" if side == "single" else f", {side}"))
     return means
