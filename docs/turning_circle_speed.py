@@ -164,9 +164,10 @@ def variations() -> Iterator[tuple[str, Callable[[], Ship], float]]:
 
 HEADER = [
     "", "U/U0", "diameter [L]", "thrust [N]", "u/(n D)", "tactical d. [L]", "max advance [L]",
-    "max transfer [L]", "F_N [N]", "5/6 F_N [N]",
+    "max transfer [L]", "F_N [N]", "movable [N]",
 ]  # fmt: skip
-MEASURED_ROWS = {  # F_N was measured on the movable part, 5/6 of the area
+MOVABLE = SHIP.trials[0].movable_factor  # F_N of the movable part, on which it was measured
+MEASURED_ROWS = {
     1: ["measured, starboard", "0.477", "2.60", "5.14", "", "3.2", "3.10", "3.22", "", "2.92"],
     -1: ["measured, port", "0.444", "2.4", "", "", "2.9", "", "", "", "2.59"],
 }
@@ -182,7 +183,7 @@ def row(label: str, c: TurningCircle) -> list[str]:
         f"{c.max_advance:.2f}",
         f"{c.max_transfer:.2f}",
         f"{c.rudder_normal_force:.2f}",
-        f"{c.rudder_normal_force * 5.0 / 6.0:.2f}",
+        f"{c.rudder_normal_force * MOVABLE:.2f}",
     ]
 
 

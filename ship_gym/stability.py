@@ -23,7 +23,8 @@ from ship_gym.simulation import through_water
 from ship_gym.stopping import neutral_angle, water_motion
 
 _SAMPLE = 1.0 / 28.0  # output step [L / U0]
-_TURN, _PULL = 12.0, 40.0  # L / U0 with the rudder over, and with it neutral
+_TURN = 12.0  # L / U0 with the rudder over in a pull-out
+_PULL = (40.0, 160.0)  # shortest and longest time with it neutral [L / U0]
 _STEADY = 2e-5  # change of r' within one L / U0 that counts as none
 _HOLD = (4.0, 80.0)  # shortest and longest hold of a spiral's rudder angle [L / U0]
 _FINE = math.radians(3.0)  # within it a spiral goes in quarter steps
@@ -98,7 +99,7 @@ def pull_out(
     n: float | None = None,
     sea: Sea | None = None,
 ) -> PullOut:
-    """Pull-out: turn steadily to starboard, rudder to neutral; then the same to port.
+    """Pull-out: turn steadily to starboard, rudder to neutral until steady; the same to port.
 
     Parameters
     ----------
@@ -123,9 +124,9 @@ def pull_out(
     run, unit = Run(ship, U0, n, sea, _SAMPLE), ship.hull.L / U0
     ends = []
     largest, neutral = abs(delta), neutral_angle(ship)
-    for angle, length in ((largest, _TURN), (neutral, _PULL), (-largest, _TURN), (neutral, _PULL)):
-        run.until(lambda sim, t: False, angle, length * unit)
-        ends.append(_yaw_rate(run))
+    for angle in (largest, -largest):
+        run.until(lambda sim, t: False, angle, _TURN * unit)
+        ends += [_yaw_rate(run), _held(run, neutral, U0, _PULL)]
     c = run.columns()
     U = np.hypot(*through_water(c))
     released = c["t"] >= _TURN * unit
@@ -169,6 +170,8 @@ def spiral(
     ship = load_ship(ship)
     U0, n = approach(ship, delta, speed, n)
     largest = abs(delta)
+    if largest == 0.0:
+        raise ConfigError("delta = 0: a spiral needs a rudder angle")
     check_angle("step", step, largest)
     if not step > 0.0:
         raise ConfigError(f"step = {step:.4g} rad: must be between 0 and delta = {largest:.4g} rad")
@@ -201,9 +204,9 @@ def _angles(largest: float, step: float) -> np.ndarray:
     return np.sort(np.concatenate([coarse[np.abs(coarse) > inner + 1e-9], fine]))[::-1]
 
 
-def _held(run: Run, angle: float, U0: float) -> float:
-    """Steady r' at a rudder angle [rad], or that after the longest hold."""
-    unit, shortest = run.ship.hull.L / U0, _HOLD[0]
+def _held(run: Run, angle: float, U0: float, hold: tuple[float, float] = _HOLD) -> float:
+    """Steady r' at a rudder angle [rad], or that after the longest hold [L / U0]."""
+    unit, (shortest, longest) = run.ship.hull.L / U0, hold
     rates: list[float] = []
     per_unit = round(1.0 / _SAMPLE)
 
@@ -213,7 +216,7 @@ def _held(run: Run, angle: float, U0: float) -> float:
             return False
         return abs(rates[-1] - rates[-1 - per_unit]) < _STEADY
 
-    run.until(steady, angle, _HOLD[1] * unit)
+    run.until(steady, angle, longest * unit)
     return _yaw_rate(run)
 
 

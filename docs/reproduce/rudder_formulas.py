@@ -1,8 +1,8 @@
 """Rudder normal force of KCS in steady 35 deg turns: Beaufoy and MMG beside Stern et al. (2021).
 
-The source prints the forces by both formulas for three facilities, but not all that goes in: no
-rudder coefficient but l_R and gamma_R, and a drift angle of one turn only. Here they are computed
-again from what it prints; the rest is ours, and named.
+The source prints the forces by both formulas for two tanks and, by its text, for IIHR's CFD, but
+not all that goes in: no rudder coefficient but l_R and gamma_R, and a drift angle of one turn only.
+Here they are computed again from what it prints; the rest is ours, and named.
 """
 
 from __future__ import annotations
@@ -188,12 +188,14 @@ _BEAUFOY = (
 )
 _MMG = (
     "MMG: effective-inflow law of Yasukawa & Yoshimura (2015), rudder of hull set B, 5/6 of it for "
-    "the movable part. Printed: U, l_R, gamma_R, and r' = L/R of the facilities' mean circle."
+    "the movable part, as a formula by area has it (Knight's CFD has 1.07 there, which the trials "
+    "take). Printed: U, l_R, gamma_R, and r' = L/R of the facilities' mean circle."
 )
 _J_B = (
     "n of J_B = U/(J_B D) with the printed J_B. For HU it is within 3 % of self-propulsion. For "
-    "IIHR it is 16 to 23 % above, and the force then far above the printed one: the J_B printed "
-    "for IIHR does not belong to the U printed for it; the printed MMG forces go with constant n."
+    "IIHR it is 16 to 23 % above, and the force then far above the printed one: J_B of Table 6 is "
+    "of its tank, U and F_N of Table 1 are by its marks and the text of its CFD. With the CFD's "
+    "J_B, 0.4322 at Fn 0.26, n is 16.4. So what stands for IIHR as measured is computed."
 )
 
 

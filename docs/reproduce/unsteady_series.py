@@ -3,7 +3,7 @@
 Their CFD series are drawn, not tabulated, so ours are SYNTHETIC: the motions are theirs, the
 coefficients come from their printed open-water regression (Eq. 21). What was added, and why:
 
-- **Behind the hull** the propeller works in the wake of the ship file, J_A = J (1 - w) with
+- **Behind the hull** the propeller works in the wake of hull set C of KCS, J_A = J (1 - w) with
   w = w_P0 exp(-C alpha^2): the thrust identity. Together with the printed |alpha| this is what no
   polynomial in J and signed alpha can follow. No term was added to make it so.
 - **Noise**, normal and independent, on every value of an unsteady series, with the standard
@@ -124,8 +124,8 @@ def behind_hull(X: np.ndarray, wake: tuple[float, float]) -> np.ndarray:
 
 
 def ship_wake() -> tuple[float, float]:
-    """w_P0 and C of the KCS model of the package."""
-    propeller = load_ship("kcs_model", surrogate="none").propeller
+    """w_P0 and C of KCS with hull set C, whose wake has this form; set B's has another."""
+    propeller = load_ship("kcs_model", variant="hull_c", surrogate="none").propeller
     return propeller.w_P0, propeller.wake_beta2
 
 

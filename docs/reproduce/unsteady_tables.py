@@ -53,7 +53,7 @@ def as_text(data: dict[str, Any]) -> str:
         [
             paragraph(
                 "SYNTHETIC unsteady series: motions and Eq. 21 of Knight & Maki (2020), wake of "
-                f"the ship file, noise of the scaled outputs {noise}; median of "
+                f"hull set C, noise of the scaled outputs {noise}; median of "
                 f"{len(data['seeds'])} seeds. Root mean square errors on the case named."
             ),
             "",

@@ -144,7 +144,10 @@ def _kcs(kcs: Case, calm: Case) -> Iterator[Finding]:
 
 
 def _turning_moment(case: Case, ship: str) -> Iterator[Finding]:
-    """Mean of the wave yaw moment over a quarter of the turn, by the largest; into it positive."""
+    """Mean of the wave yaw moment over a quarter of the turn, by the largest; into it positive.
+
+    White has the sign of the total hydrodynamic moment; the waves' part is tried here.
+    """
     t, side = case.result.trajectory, math.copysign(1.0, case.delta)
     turned = np.degrees(np.abs(t["psi"]))
     moment = side * t["N_wave"] / np.abs(t["N_wave"]).max()

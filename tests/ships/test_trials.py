@@ -39,16 +39,15 @@ def test_bad_trials_are_refused(changes, words):
         dataclasses.replace(PLAIN, **changes)
 
 
-def test_trial_of_a_smaller_model_is_at_the_scale_of_the_ship():
-    """IIHR's 2.7 m model at 0.808 m/s is the ship's 3.057 m at Fn 0.157; forces go by L^3."""
+def test_trial_of_a_larger_model_is_at_the_scale_of_the_ship():
+    """MARIN's 6.07 m model at 2.006 m/s is the ship's 3.057 m at Fn 0.26; forces go by L^3."""
     ship = load_ship("kcs_model")
-    trial = next(t for t in ship.trials if t.length == 2.7 and t.delta_deg > 0.0 and t.n)
-    ratio = 3.057 / 2.7
-    assert trial.speed == pytest.approx(0.808 * math.sqrt(ratio))
-    assert ship.froude(trial.speed) == pytest.approx(0.157, abs=5e-4)
-    assert trial.n == pytest.approx(12.79 / math.sqrt(ratio))
-    assert trial.measures["movable_rudder_force"] == pytest.approx(1.328 * ratio**3)
-    assert trial.measures["steady_speed_ratio"] == 0.542
+    trial = next(t for t in ship.trials if t.length == 6.0702)
+    ratio = 3.057 / 6.0702
+    assert trial.speed == pytest.approx(2.006 * math.sqrt(ratio))
+    assert ship.froude(trial.speed) == pytest.approx(0.26, abs=5e-4)
+    assert trial.measures["movable_rudder_force"] == pytest.approx(40.0 * ratio**3)
+    assert trial.measures["steady_speed_ratio"] == 0.394
 
 
 def test_printed_coefficients_of_the_rudder_force_are_by_the_movable_area():
