@@ -101,6 +101,7 @@ def test_imo_limits():
     )
 
 
+@pytest.mark.slow
 def test_every_trial_of_every_ship_can_be_sailed(ship):
     for trial in ship.trials:
         result = {*run_trial(ship, trial).measures(), "movable_rudder_force"}

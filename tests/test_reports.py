@@ -27,6 +27,7 @@ def test_steady_forces_and_inertia_cancel(circle):
     assert np.abs(balance["sum"]) == pytest.approx(0.0, abs=1e-5 * scale.max())
 
 
+@pytest.mark.slow
 def test_matching_trial_decides_the_propeller_speed(circle):
     assert circle.n == 10.2
     assert circle.trial is circle.ship.trials[0]

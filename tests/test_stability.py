@@ -60,6 +60,7 @@ def test_spiral_is_steady_turning(kcs_model):
     assert found.slope == pytest.approx(slope, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_finer_step_moves_the_loop_by_less_than_a_quarter_of_the_coarse_one(unstable):
     coarse, fine = (spiral(unstable, step=math.radians(step)) for step in (1.0, 0.5))
     assert abs(coarse.loop_width - fine.loop_width) < 2.0 * 0.25 * math.radians(1.0)

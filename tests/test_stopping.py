@@ -158,6 +158,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "stopping.md"
 ROWS = [line.split("|")[1:-1] for line in PAGE.read_text().splitlines() if line.startswith("| `")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row[0].strip()} {row[1].strip()} kn")
 def test_table_of_the_page(row):
     name, knots, *printed = (cell.strip() for cell in row)

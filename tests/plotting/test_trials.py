@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+import pytest
 from PIL import Image
 
 from ship_gym.plotting import plot_manoeuvre
@@ -35,6 +36,7 @@ def test_all_trials_with_and_without_another_time(tmp_path):
     assert all(data[:4] == b"\x89PNG" for data in pictures) and pictures[0] != pictures[1]
 
 
+@pytest.mark.slow
 def test_scatter_is_drawn_on_the_circle(tmp_path):
     ship = load_ship("kcs_model")
     case = sail_trial(ship, ship.trials[2])
@@ -44,6 +46,7 @@ def test_scatter_is_drawn_on_the_circle(tmp_path):
     assert changed(tmp_path / "bars.png", tmp_path / "plain.png") > 300  # bars and band
 
 
+@pytest.mark.slow
 def test_measured_drift_is_drawn_in_waves(tmp_path):
     ship = load_ship("onrt_model")
     case = sail_trial(ship, ship.trials[0])

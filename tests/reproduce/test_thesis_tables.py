@@ -152,6 +152,7 @@ def test_the_example_of_one_dimension():
     }
 
 
+@pytest.mark.slow
 def test_texts_show_ours_beside_theirs():
     texts = [
         fits.coefficient_text(fits.coefficients()),

@@ -17,6 +17,7 @@ speed [m/s],n [rev/s],beta [deg],Y [-]
 """
 
 
+@pytest.mark.slow
 def test_all_tests_of_a_ship(cli):
     code, out, _ = cli("simulate", "captive", "--ship", "kvlcc2_model", "--json")
     found = json.loads(out)["captive"]

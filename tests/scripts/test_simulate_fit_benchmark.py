@@ -90,6 +90,7 @@ def test_simulate_crash_stop(call):
     assert 0.0 < data["measures"]["reversal"] < data["measures"]["time"]
 
 
+@pytest.mark.slow
 def test_simulate_all_trials(call):
     code, out, _ = call("simulate.py", "trials", "--json", "--out", "t.png")
     trials = json.loads(out)["trials"]

@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
 
+
+@pytest.mark.slow
 def test_files_and_another_time(cli):
     ship = ("trials", "--ship", "onrt_model")
     code, out, _ = cli(*ship, "--csv", "before.csv")

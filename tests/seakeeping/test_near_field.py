@@ -66,6 +66,7 @@ def test_near_and_far_field_agree_in_beam_seas_at_rest():
     assert d.action + d.absorbed == pytest.approx(d.extinction, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("heading_deg", [120.0, 150.0])
 def test_sway_at_speed_changes_alike_in_both(heading_deg):
     """Two ways to the sway force of KCS at Fn 0.20 in bow seas of its length, nothing in common.
@@ -88,6 +89,7 @@ def test_short_wave_sway_at_rest(heading_deg, printed):
     assert 2.0 * found[1] == pytest.approx(printed, rel=0.07)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("heading_deg", [90.0, 120.0, 150.0])
 def test_yaw_changes_with_speed_as_the_short_wave_asymptote_says(heading_deg):
     """ONRT in waves of 0.2 L, Fn 0.10: reflection at the lit waterline is an independent way.

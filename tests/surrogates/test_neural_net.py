@@ -108,6 +108,7 @@ def test_standardised_training_gives_weights_for_the_inputs_as_they_stand():
     assert found.validation_loss.min() == pytest.approx(again, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("quantity", "worst"), [("K_T", 4.1), ("10K_Q", 2.1)])
 def test_eight_kcs_points_predict_the_four_held_out(samples, quantity, worst):
     """Change detector: largest error [%] on points 1-4; second-order regression 2.7 and 1.5 %.

@@ -361,6 +361,7 @@ def test_wrong_noise_and_rudder_angles_are_named(write, ship, titles, last, word
         own_data_set(write([f"{row},{last}" for row in ROWS], TITLES + titles), ship)
 
 
+@pytest.mark.slow
 def test_a_process_builds_on_the_cheap_grid_without_the_held_out_points():
     options = Options("gp", noise="none", cheap="G1_SA")
     found = fit(KCS, options, "G2", "SA")
