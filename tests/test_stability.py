@@ -29,6 +29,11 @@ def test_stable_ship_goes_straight_and_has_no_loop():
     assert found.neutral_angle == pytest.approx(0.0, abs=1e-4)
 
 
+def test_a_pull_out_waits_for_a_slow_decay():
+    """KCS at full scale needs over 40 L / U0 after a turn to port; her spiral has no loop."""
+    assert abs(pull_out("kcs").residual_difference) < 1e-3
+
+
 def test_unstable_ship_keeps_turning_at_the_rate_of_its_loop(unstable):
     pulled, found = pull_out(unstable), spiral(unstable)
     assert pulled.residual_starboard == pytest.approx(-pulled.residual_port, rel=1e-2)

@@ -84,7 +84,9 @@ def legend(fit: Fit | None) -> str:
         return ""
     held = any(len(samples.points) for samples in fit.validation.values())
     marks = "circles: training" + (", diamonds: held-out" if held else "")
-    return f"; {marks} points, in the colour of CFD"
+    scattered = any(samples.X.shape[1] > 2 for samples in fit.training.values())
+    colour = "of all rudder angles" if scattered else "in the colour of CFD"
+    return f"; {marks} points, {colour}"
 
 
 def draw_surfaces(

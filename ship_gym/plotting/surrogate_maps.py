@@ -85,21 +85,24 @@ def responses(ship: Ship, J: np.ndarray, beta: np.ndarray, side: str = "single")
     made = fleet([as_computed(ship)])
     record, tables = made.records[0], Tables(made.open_water[0], made.deflected[0])
     mirror = -1.0 if side == WINDWARD else 1.0
+    delta = mirror * ship.surrogate.card["domain"]["delta"]  # of several, the largest
     found = np.empty((len(beta), len(J)), dtype=object)
     for i, angle in enumerate(beta):
         for j, ratio in enumerate(J):
-            found[i, j] = _response(record, tables, (float(ratio), float(angle)), mirror)
+            found[i, j] = _response(record, tables, (float(ratio), float(angle)), delta, mirror)
     return found
 
 
-def _response(record, tables, place: tuple[float, float], mirror: float) -> dict[str, float]:
+def _response(
+    record, tables, place: tuple[float, float], delta: float, mirror: float
+) -> dict[str, float]:
     """The kernels compute the starboard one; the port one is that of the mirrored ship."""
     (J, beta), box = place, record.surrogate
     D, rho = float(record.propeller.D), float(record.rho)
     n = 1.0 / D  # n D = 1, so u = J; coefficients do not depend on the speed
     u, v = J, -J * math.tan(beta)
     drift = (math.hypot(u, v), mirror * math.atan2(-v, abs(u)))
-    controls = (mirror * float(box.delta), n)
+    controls = (delta, n)
     P, R, (_, _, T, Q, _) = unit_forces((u, mirror * v, 0.0), controls, drift, record, tables)
     u_R2 = u * u + 8.0 * T / (rho * math.pi * D * D) + v * v
     q, unit = 0.5 * rho * float(box.S_R) * u_R2, rho * n**2 * D**4
@@ -188,12 +191,15 @@ def draw_map(
 
 
 def draw_samples(axes: Axes, fit: Fit, side: str, name: str, filled) -> None:
-    """Samples in the colour of their value: training circles, held-out diamonds."""
+    """Samples in the colour of their value: training circles, held-out diamonds.
+
+    Those of a scattered set are at other rudder angles than the map, so they have no colour.
+    """
     for samples, marker, edge in ((fit.training, "o", INK), (fit.validation, "D", RED)):
         rows = samples[side]
         style = {"marker": marker, "s": 38, "edgecolors": edge, "linewidths": 1.2, "zorder": 4}
-        J, beta = rows.X.T
-        if name in rows.values:
+        J, beta = rows.X.T[:2]
+        if name in rows.values and rows.X.shape[1] == 2:
             colour = turned(fit, name, rows.values[name])
             axes.scatter(J, np.degrees(beta), c=colour, cmap=filled.cmap, norm=filled.norm, **style)
         elif len(J):  # known by its place only

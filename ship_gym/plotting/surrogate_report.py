@@ -162,9 +162,9 @@ def plot_std(fit: Fit, side: str, path: str | os.PathLike) -> None:
 
 def _places(axes: Axes, fit: Fit, side: str) -> None:
     """Training points as dots, held-out ones as open diamonds."""
-    J, beta = fit.training[side].X.T
+    J, beta = fit.training[side].X.T[:2]
     axes.plot(J, np.degrees(beta), "o", color=INK, markersize=4, label="training")
-    J, beta = fit.validation[side].X.T
+    J, beta = fit.validation[side].X.T[:2]
     style = {"color": RED, "markersize": 5, "fillstyle": "none"}
     if len(J):
         axes.plot(J, np.degrees(beta), "D", label="held out", **style)

@@ -105,14 +105,14 @@ def _hmri(path: str | Path, text: str, ship: Ship) -> tuple[float, list[tuple[in
     for (k, _), row in zip(lines, cells, strict=True):
         if len(row) != len(titles):
             raise ConfigError(f"{path}:{k}: {len(row)} cells, but {len(titles)} columns")
+    for name in _NEEDED:
+        if name not in titles:
+            raise ConfigError(f"{path}: no column {name!r}: no captive test")
     try:
         table = np.array(cells[1:], dtype=float)
     except ValueError as error:
         raise ConfigError(f"{path}: {error}") from None
     columns = dict(zip(titles, table.T, strict=True))
-    for name in _NEEDED:
-        if name not in columns:
-            raise ConfigError(f"{path}: no column {name!r}: no captive test")
     for name in columns:
         if name in FORCES:
             columns[name] = columns[name] * ship.hull.L / ship.hull.d

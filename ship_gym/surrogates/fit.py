@@ -156,6 +156,8 @@ def fit(
     options = options or Options()
     if grid is None:
         grid, turbulence = data.choices[0] if data.choices else ("", "")
+    if options.cheap and options.cheap == "_".join(filter(None, (grid, turbulence))):
+        raise ConfigError(f"cheap = {options.cheap!r}: is the dear grid itself; name another one")
     training, validation, models = {}, {}, {}
     trained_on = PRINTED_FORCES
     for side in data.sides:

@@ -370,5 +370,7 @@ def test_a_process_builds_on_the_cheap_grid_without_the_held_out_points():
     assert found.name == "gp_exact_on_G1_SA"
     with pytest.raises(ConfigError, match=r"cheap samples of kcs.* 'G4_SA'.*G1_SA"):
         fit(KCS, Options("gp", noise="none", cheap="G4_SA"))
+    with pytest.raises(ConfigError, match="dear grid itself"):
+        fit(KCS, Options("gp", noise="none", cheap="G2_SA"))
     with pytest.raises(ConfigError, match="of the Gaussian process"):
         Options(cheap="G1_SA")

@@ -7,7 +7,12 @@ import pytest
 from scipy.stats import qmc
 
 from ship_gym.config import ConfigError
+from ship_gym.plotting import plot_surrogate
+from ship_gym.plotting.surrogate_maps import response
+from ship_gym.plotting.surrogate_report import plot_std
 from ship_gym.ships import load_ship
+from ship_gym.ships.loader import attach_surrogate
+from ship_gym.surrogates.effective_inflow import rudder_frame
 from ship_gym.surrogates.fit import Options, fit
 from ship_gym.surrogates.force_table import table_of
 from ship_gym.surrogates.own import own_data_set
@@ -84,6 +89,17 @@ def test_the_table_holds_the_law_between_the_angles_too(read, ship, rows, option
         assert found[table.channel("trust")] == pytest.approx(1.0)
     table.save(tmp_path / "table.npz")
     assert Table.load(tmp_path / "table.npz") == table
+
+
+@pytest.mark.parametrize(("rows", "options"), [(planes(), Options()), (scattered(), GP)])
+def test_pictures_are_at_the_largest_angle(read, ship, rows, options, tmp_path):
+    fits = fit_rudder_angles(read(rows), options)
+    found, delta = attach_surrogate(ship, table_of_angles(fits, ship), "own"), fits[-1].data.delta
+    normal = rudder_frame(*(response(found, J, BETA)[k] for k in ("C_Fx", "C_Fy")), delta)[0]
+    assert normal == pytest.approx(C_N(BETA, delta), abs=0.01)
+    plot_surrogate(found, tmp_path / "own.png", fits[-1])
+    plot_std(fits[-1], "single", tmp_path / "std.png")
+    assert (tmp_path / "own.png").exists() and (tmp_path / "std.png").exists()
 
 
 def test_each_plane_is_the_table_of_its_angle_alone(read, ship):
