@@ -67,7 +67,8 @@ def _sides(axes: Axes, rows: list[dict[str, Any]]) -> None:
 
 
 def _excess(axes: Axes, rows: list[dict[str, Any]]) -> None:
-    values = [row["difference_percent"] for row in rows]
+    # + 0.0 and no digit beyond the label's: a difference of nothing is no "-0.0" below the axis
+    values = [round(row["difference_percent"], 1) + 0.0 for row in rows]
     bars = axes.bar(range(len(rows)), values, 0.5, color=FAINT)
     axes.bar_label(bars, fmt="%+.1f", fontsize=8, padding=2)
     axes.margins(y=0.2)
