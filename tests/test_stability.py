@@ -34,6 +34,7 @@ def test_a_pull_out_waits_for_a_slow_decay():
     assert abs(pull_out("kcs").residual_difference) < 1e-3
 
 
+@pytest.mark.slow
 def test_unstable_ship_keeps_turning_at_the_rate_of_its_loop(unstable):
     pulled, found = pull_out(unstable), spiral(unstable)
     assert pulled.residual_starboard == pytest.approx(-pulled.residual_port, rel=1e-2)

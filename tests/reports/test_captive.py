@@ -171,6 +171,7 @@ def test_side_force_of_kvlcc2_at_moderate_drift_beside_hmri():
     assert max(abs(a["N"] - b["N"]) for a, b in few) == pytest.approx(0.0045, abs=0.0001)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("test", ["drift", "yaw_drift", "yaw"])
 def test_picture(tmp_path, test):
     plot_captive(tow(SHIP, test), tmp_path / "a.png")

@@ -108,6 +108,7 @@ def test_printed_coefficients_have_no_errors_of_their_own_points():
     assert "largest std" not in text and "Latin hypercube" in text
 
 
+@pytest.mark.slow
 def test_turning_circle_of_the_trial(kcs, onrt):
     found, table = kcs
     turn = report.turning_check(load_ship("kcs_model", surrogate="none"), table, found.name)

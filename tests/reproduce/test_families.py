@@ -19,6 +19,7 @@ def turning():
 GAPS = {("network", "steady_diameter"): 0.136}  # eight points are few for it: U/U0 0.494
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", families.FAMILIES)
 @pytest.mark.parametrize("measure", ["max_advance", "steady_diameter"])
 def test_turning_circle_of_every_family_is_near_the_trial(turning, family, measure):

@@ -14,6 +14,7 @@ def test_angle_between_bow_and_waves():
     assert found == pytest.approx([20.0, 0.0, 90.0, 180.0, 0.0], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_headings(tmp_path):
     case = sail(load_ship("dtc_model"), delta_deg=-35.0, wave_height=0.05, wavelength=1.0)
     t = case.result.trajectory

@@ -45,6 +45,7 @@ def found(cases):
     return {(f.ship, f.what): f for f in white.findings(*cases)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ship", "what", "into"), QUARTERS)
 def test_wave_yaw_moment_acts_into_the_turn_out_of_head_seas_and_out_of_it_after(
     found, ship, what, into

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "part"),
     [
@@ -27,6 +28,7 @@ def test_picture_and_numbers(cli, arguments, part):
     assert all(part in parts for parts in data["sides"].values())
 
 
+@pytest.mark.slow
 def test_text_says_where_it_wrote(cli):
     code, out, _ = cli("draw", "width", "--noise", "none")
     assert code == 0 and "wrote runs/width.png" in out and "K_T" in out

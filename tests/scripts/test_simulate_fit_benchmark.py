@@ -157,6 +157,7 @@ def test_fit_surrogate_json(call):
     assert data["turning_circle"]["trial"]["steady_diameter"] == 2.602
 
 
+@pytest.mark.slow
 def test_fit_surrogate_of_two_propellers_with_a_process(call):
     code, out, _ = call("fit_surrogate.py", "--data", "onrt", "--family", "gp", "--json")
     data = json.loads(out)

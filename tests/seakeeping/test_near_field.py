@@ -104,6 +104,7 @@ def test_yaw_changes_with_speed_as_the_short_wave_asymptote_says(heading_deg):
     assert abs(moving[0][2] - rest[0][2]) < 0.5 * abs(tail[1] - tail[0])
 
 
+@pytest.mark.slow
 def test_port_and_starboard():
     problem = problem_of("kcs_model", 24, 5)
     _, port, _ = both(problem, 1.1, np.radians(135.0), 0.2)

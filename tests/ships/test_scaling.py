@@ -25,6 +25,7 @@ def test_ittc57_textbook_value():
     assert ittc57(1e9) == pytest.approx(0.075 / 49.0)
 
 
+@pytest.mark.slow
 @settings(max_examples=4, deadline=None)
 @given(st.floats(1.0, 400.0))
 def test_froude_scaling_keeps_the_turning_circle(length):

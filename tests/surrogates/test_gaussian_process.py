@@ -66,6 +66,7 @@ def onrt_gap(side, quantity, noise):
     return ours - printed_means(ONRT, noise, SIDES[side])[quantity]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", NOISES)
 @pytest.mark.parametrize("side", ["port", "starboard"])
 @pytest.mark.parametrize(("quantity", "points_"), [("K_X", 0.15), ("C_Fx", 0.1), ("C_Fy", 0.1)])
@@ -74,6 +75,7 @@ def test_errors_of_onrt_are_the_printed_ones(quantity, points_, side, noise):
     assert abs(onrt_gap(side, quantity, noise)) < points_
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("side", "noise", "gap"),
     [

@@ -74,6 +74,7 @@ def read(tmp_path_factory, ship):
     return made
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rows", "options", "off"),
     [(planes(), Options(), 0.005), (planes(), GP, 0.005), (scattered(), GP, 0.002)],
@@ -91,6 +92,7 @@ def test_the_table_holds_the_law_between_the_angles_too(read, ship, rows, option
     assert Table.load(tmp_path / "table.npz") == table
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rows", "options"), [(planes(), Options()), (scattered(), GP)])
 def test_pictures_are_at_the_largest_angle(read, ship, rows, options, tmp_path):
     fits = fit_rudder_angles(read(rows), options)
@@ -123,6 +125,7 @@ def test_points_held_out_are_held_out_of_each_plane(read):
     assert np.shape(errors) == (3, 2) and np.abs(errors).max() < 1e-3  # it is of second order
 
 
+@pytest.mark.slow
 def test_a_scattered_set_scores_its_held_out_points_at_their_own_angles(read):
     first, *_, last = fit_rudder_angles(read(scattered(), validation=(2, 9, 17)), GP)
     assert len(first.validation["single"].points) == 3
