@@ -154,6 +154,14 @@ def _cell(axis: Axis, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return i, (s - i)[..., None]
 
 
+def smoothstep(x: np.ndarray) -> np.ndarray:
+    """0 for x <= 0, 1 for x >= 1, cubic with flat ends between; of one number in a kernel, see
+    ``physics.hull``.
+    """
+    x = np.clip(x, 0.0, 1.0)
+    return x * x * (3.0 - 2.0 * x)
+
+
 def tabulate(
     model: Callable[..., np.ndarray],
     axes: tuple[Axis, ...],

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ship_gym.tables import smoothstep
+
 FREEBOARD = 0.65  # height of the deck above the waterline, amidships [d]
 BOW_SHEER = 0.35  # extra height of the deck at the bow [freeboard]
 _RAKE = 0.06  # how far the keel stays behind the deck at the stem [L]
@@ -115,12 +117,12 @@ def flat_shaded(
 def _starboard_sections(L: float, B: float, d: float) -> np.ndarray:
     """Points of the starboard half, shape (stations, points, 3): keel, bilge, side, deck centre."""
     s = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, _STATIONS))  # denser at the ends; 0 is the stern
-    keel = d * (1.0 - (1.0 - _COUNTER) * _smooth((0.15 - s) / 0.10))
-    deck = -FREEBOARD * d * (1.0 + BOW_SHEER * _smooth((s - 0.75) / 0.25))
+    keel = d * (1.0 - (1.0 - _COUNTER) * smoothstep((0.15 - s) / 0.10))
+    deck = -FREEBOARD * d * (1.0 + BOW_SHEER * smoothstep((s - 0.75) / 0.25))
     ahead = np.clip((s - 0.68) / (1.0 - 0.68), 0.0, 1.0)  # exactly 1 at the stem: a sharp edge
-    waterline = 0.5 * B * (1.0 - ahead**2.0) * (0.62 + 0.38 * _smooth(s / 0.22))
-    deck_edge = 0.5 * B * (1.0 - ahead**3.5) * (0.82 + 0.18 * _smooth(s / 0.15))
-    middle = _smooth(s / 0.35) * _smooth((1.0 - s) / 0.45)
+    waterline = 0.5 * B * (1.0 - ahead**2.0) * (0.62 + 0.38 * smoothstep(s / 0.22))
+    deck_edge = 0.5 * B * (1.0 - ahead**3.5) * (0.82 + 0.18 * smoothstep(s / 0.15))
+    middle = smoothstep(s / 0.35) * smoothstep((1.0 - s) / 0.45)
     exponent = (2.0 / (1.6 + 4.4 * middle))[:, None]  # V-shaped at the ends, boxy amidships
     angle = np.linspace(0.0, 0.5 * np.pi, _BILGE_POINTS)
     bilge_y = waterline[:, None] * np.sin(angle) ** exponent
@@ -131,7 +133,7 @@ def _starboard_sections(L: float, B: float, d: float) -> np.ndarray:
     side_z = deck[:, None] * up
     y = np.concatenate([bilge_y, side_y, np.zeros((_STATIONS, 1))], axis=1)
     z = np.concatenate([bilge_z, side_z, deck[:, None]], axis=1)
-    rake = _RAKE * L * _smooth((s - 0.75) / 0.25)[:, None] * (z - deck[-1]) / (d - deck[-1])
+    rake = _RAKE * L * smoothstep((s - 0.75) / 0.25)[:, None] * (z - deck[-1]) / (d - deck[-1])
     return np.stack([np.broadcast_to((s[:, None] - 0.5) * L, z.shape) - rake, y, z], axis=-1)
 
 
@@ -157,12 +159,6 @@ def _weld(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     triangles = index.reshape(-1, 3)
     first, second, third = triangles.T
     return vertices, triangles[(first != second) & (second != third) & (third != first)]
-
-
-def _smooth(x: np.ndarray) -> np.ndarray:
-    """Smooth step from 0 to 1 while x goes from 0 to 1."""
-    x = np.clip(x, 0.0, 1.0)
-    return x * x * (3.0 - 2.0 * x)
 
 
 def _check_size(**sizes: float) -> None:

@@ -12,6 +12,7 @@ from ship_gym.config import ConfigError, check_known, check_number
 from ship_gym.manoeuvres import imo_limits
 from ship_gym.reports.case import sea_of
 from ship_gym.reports.manoeuvre import CONDITION, estimates
+from ship_gym.reports.measures import in_kilo
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import self_propulsion
 from ship_gym.stability import PullOut, Spiral, pull_out, spiral
@@ -20,7 +21,6 @@ from ship_gym.text import paragraph, table
 
 _DEG = 180.0 / math.pi
 _LARGE = 20.0  # L, to which an Administration may go for large ships (MSC.137(76))
-_KILO = 1e4  # N from which kN are shown
 _STRAIGHT = 1e-3  # difference of r' left by a pull-out that counts as none
 
 
@@ -167,9 +167,8 @@ def _shown(case: Handling) -> dict[str, tuple[str, str, float, int]]:
     measures = case.result.measures()
     for name, (label, unit, factor, digits) in KINDS[case.manoeuvre].quantities.items():
         value = measures[name] * factor
-        if unit == "N" and abs(value) >= _KILO:
-            unit, value, digits = "kN", 1e-3 * value, 1
-        found[name] = (label, unit, value, digits)
+        unit, factor, digits = in_kilo(unit, value, digits)
+        found[name] = (label, unit, factor * value, digits)
     return found
 
 

@@ -8,14 +8,20 @@ from typing import Any
 
 from ship_gym.reports.balance import steady_balance
 from ship_gym.reports.case import Case, has_waves
-from ship_gym.reports.measures import DIRECTIONS, Row, deviations_text, difference_text, rows
+from ship_gym.reports.measures import (
+    DIRECTIONS,
+    Row,
+    deviations_text,
+    difference_text,
+    in_kilo,
+    rows,
+)
 from ship_gym.sea.wave_response import energy_outside
 from ship_gym.ships.particulars import Ship
 from ship_gym.text import paragraph, table
 
 CONDITION = "; "  # between manoeuvre and condition in a title
 _NOTED = 0.01  # share of the waves' energy outside the wave table from which it is said
-_KILO = 1e4  # N or N m from which kN or kN m are shown
 
 _RESISTING = ("hull", "rudder", "wave")
 
@@ -174,9 +180,7 @@ def _imo_table(found: list[Row]) -> str:
 
 def _shown(row: Row, other: float | None) -> tuple[str, str, str]:
     """Unit, computed value and the one to compare with; large forces in kN."""
-    unit, digits, factor = row.unit, row.digits, 1.0
-    if unit.startswith("N") and abs(row.computed) >= _KILO:
-        unit, factor, digits = f"k{unit}", 1e-3, 1
+    unit, factor, digits = in_kilo(row.unit, row.computed, row.digits)
     text = "" if other is None else f"{other * factor:.{digits}f}"
     return f"[{unit}]", f"{row.computed * factor:.{digits}f}", text
 
@@ -184,12 +188,12 @@ def _shown(row: Row, other: float | None) -> tuple[str, str, str]:
 def _balance_table(case: Case) -> str:
     balance = steady_balance(case.ship, case.result.trajectory)
     largest = max(abs(value) for values in balance.values() for value in values)
-    prefix, factor, digits = ("k", 1e-3, 1) if largest >= _KILO else ("", 1.0, 3)
+    unit, factor, digits = in_kilo("N", largest, 3)
     cells = [
         [name, *(f"{round(factor * value, digits) + 0.0:.{digits}f}" for value in values)]
         for name, values in balance.items()
     ]
-    return table(["", f"X [{prefix}N]", f"Y [{prefix}N]", f"N [{prefix}N m]"], cells)
+    return table(["", f"X [{unit}]", f"Y [{unit}]", f"N [{unit} m]"], cells)
 
 
 def estimates(ship: Ship) -> str:

@@ -37,6 +37,7 @@ _QUANTITIES: dict[str, tuple[str, str, float, int]] = {
     "initial_turning": ("way to first reversal", "L", 1.0, 2),
     "period": ("period", "s", 1.0, 1),
 }
+_KILO = 1e4  # N or N m from which kN or kN m are shown
 _ONLY_IN_A_SEA = ("drift_distance", "drift_direction")
 DIRECTIONS = ("drift_direction",)  # whose difference is an angle, not a share
 # rudder/heading [deg] of a zig-zag -> limit of `imo_limits` -> measure
@@ -48,6 +49,13 @@ _IMO_ZIGZAG = {
     },
     (20, 20): {"overshoot_20_20_first": "overshoot_1"},
 }
+
+
+def in_kilo(unit: str, size: float, digits: int) -> tuple[str, float, int]:
+    """Unit, factor and digits by which a measure of this size is shown; large forces in kN."""
+    if unit.startswith("N") and abs(size) >= _KILO:
+        return f"k{unit}", 1e-3, 1
+    return unit, 1.0, digits
 
 
 @dataclasses.dataclass(frozen=True)

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ship_gym.ships.four_quadrants import Screw, starred_of
-from ship_gym.tables import Axis, Table, tabulate
+from ship_gym.tables import Axis, Table, smoothstep, tabulate
 
 EPSILON = Axis("advance angle", -math.pi / 2, math.pi / 600, 601)  # propeller turning ahead
 ROUND = Axis("advance angle", -math.pi, math.pi / 600, 1201)  # all four quadrants
@@ -78,15 +78,10 @@ def open_water_table(
         J = 0.7 * math.pi * np.tan(near)
         K = np.stack([continued(p, J, *J_range) for p in (K_T, K_Q)], axis=-1)
         away = np.maximum(low - near, near - high) / JOIN
-        own = 1.0 - _smoothstep(away)[..., None]
+        own = 1.0 - smoothstep(away)[..., None]
         series = starred_of(screw, epsilon)
         return series + own * (starred(K, J[..., None]) - series)
 
     card = {**card, "J_range": list(J_range), "K_T": list(map(float, K_T))}
     card |= {"K_Q": list(map(float, K_Q)), "four_quadrants": dataclasses.asdict(screw)}
     return tabulate(model, (ROUND,), ("C_T", "C_Q"), card)
-
-
-def _smoothstep(x: np.ndarray) -> np.ndarray:
-    x = np.clip(x, 0.0, 1.0)
-    return x * x * (3.0 - 2.0 * x)

@@ -23,7 +23,7 @@ from ship_gym.surrogates.effective_inflow import (
 )
 from ship_gym.surrogates.fit import PRINTED_FORCES, Fit
 from ship_gym.surrogates.samples import DATA_SETS
-from ship_gym.tables import Axis, Table, tabulate
+from ship_gym.tables import Axis, Table, smoothstep, tabulate
 
 # The surrogate fades into open water and the effective-inflow law over these margins of its box.
 J_MARGIN = (0.1, 0.2)  # below and above
@@ -36,16 +36,12 @@ _BY_THRUST_IDENTITY = "open-water torque at the same thrust: the source prints n
 
 def trust(J, beta, box: dict[str, float]):
     """1 inside the trained box, falling smoothly to 0 over its margins."""
-
-    def fade(x):
-        x = np.clip(x, 0.0, 1.0)
-        return 1.0 - x * x * (3.0 - 2.0 * x)
-
     low = (box["J_min"] - J - J_FULL) / (J_MARGIN[0] - J_FULL)
     high = (J - box["J_max"] - J_FULL) / (J_MARGIN[1] - J_FULL)
     left = (box["beta_min"] - beta - BETA_FULL) / (BETA_MARGIN - BETA_FULL)
     right = (beta - box["beta_max"] - BETA_FULL) / (BETA_MARGIN - BETA_FULL)
-    return fade(np.maximum(low, high)) * fade(np.maximum(left, right))
+    inside = 1.0 - smoothstep(np.maximum(low, high))
+    return inside * (1.0 - smoothstep(np.maximum(left, right)))
 
 
 def table_axes(box: dict[str, float]) -> tuple[Axis, Axis]:
