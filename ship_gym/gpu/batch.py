@@ -129,6 +129,7 @@ class CardBatch:
             self._shared = Shared(*(self._cuda.to_device(a) for a in shared_of(episodes)))
             self._actions = Mirror(np.zeros((episodes.n, episodes.n_actions)), *made)
             self._counts = Mirror(np.zeros(N_COUNTS, dtype=np.int32), *made)
+        self._ordered, self._counted = self._actions.tensor(), self._counts.tensor()
         self._fleet = Fleet(*(mirror.kernel for mirror in self._mirrors))
         self._failing = failing_of(episodes)
         self._blocks = math.ceil(episodes.n / THREADS)
@@ -147,15 +148,14 @@ class CardBatch:
             An action that is not finite; the other ships have sailed then, so reset. An outcome
             that the task does not name.
         """
-        self._actions.tensor().copy_(actions)
-        counts = self._counts.tensor()
-        counts.zero_()
+        self._ordered.copy_(actions)
+        self._counted.zero_()
         with self._cuda.gpus[self._index]:
             at = (self._blocks, self._threads, *self._stream())
-            given = self._counts.kernel
-            self._sail[at](self._fleet, self._shared, self._actions.kernel, given)
-            self._settle[at](self._fleet, self._shared, self._failing, given)
-        ended, refused, unnamed = counts.tolist()
+            counts = self._counts.kernel
+            self._sail[at](self._fleet, self._shared, self._actions.kernel, counts)
+            self._settle[at](self._fleet, self._shared, self._failing, counts)
+        ended, refused, unnamed = self._counted.tolist()
         if refused:
             self._refuse(actions)
         if unnamed:

@@ -1,14 +1,17 @@
 """Short voyages of `ShipTorchEnv` that meet what a step can meet; run as a program, on the card.
 
-``python voyages.py NAME FILE`` sails a voyage on device "cuda" and writes what came of every
-interval to an npz file: the tests run it with numba's simulator as the card.
+``python voyages.py FOLDER`` sails them on device "cuda" and writes what came of every interval to
+npz files, and what it answers to an action that is not finite: the tests run it with numba's
+simulator as the card.
 """
 
 import sys
+from pathlib import Path
 
 import numpy as np
 
 from ship_gym import ShipTorchEnv
+from ship_gym.config import ConfigError
 from ship_gym.conventions import U
 from ship_gym.gpu.batch import NAMES
 
@@ -49,11 +52,12 @@ N, INTERVALS, LOST_AT, LOST = 3, 14, 4, 1
 
 def voyage(name: str, device: str) -> dict[str, np.ndarray]:
     """Sail at random; at one time one ship is thrown off: she must end as diverged."""
+    import torch
+
     env = ShipTorchEnv(N, device, **VOYAGES[name])
     kept: dict[str, list] = {key: [] for key in (*NAMES, "seen", "final_obs", "ended")}
     generator = np.random.default_rng(5)
     seen, _ = env.reset(seed=7)
-    torch = sys.modules["torch"]
     for k in range(INTERVALS):
         if k == LOST_AT:
             env.tensor("state")[LOST, U] = 1e4
@@ -71,5 +75,24 @@ def voyage(name: str, device: str) -> dict[str, np.ndarray]:
     return {key: np.array(values) for key, values in kept.items()}
 
 
+def answer_to_a_bad_action(device: str) -> str:
+    """What is said of an action that is not finite; after a reset all is as before."""
+    import torch
+
+    env = ShipTorchEnv(N, device, **VOYAGES["calm"])
+    first = env.reset(seed=1)[0].clone()
+    actions = torch.zeros(env.action_space.shape)
+    actions[2] = torch.nan
+    try:
+        env.step(actions)
+    except ConfigError as error:
+        again = (env.reset(seed=1)[0] == first).all() and not env.tensor("elapsed").any()
+        return f"{error}; then {'as before' if again else 'otherwise'}"
+    return "nothing"
+
+
 if __name__ == "__main__":
-    np.savez(sys.argv[2], **voyage(sys.argv[1], "cuda"))
+    folder = Path(sys.argv[1])
+    for key in VOYAGES:
+        np.savez(folder / f"{key}.npz", **voyage(key, "cuda"))
+    (folder / "bad_action.txt").write_text(answer_to_a_bad_action("cuda"))
