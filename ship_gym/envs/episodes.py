@@ -15,16 +15,12 @@ from ship_gym.conventions import (
     FLOW_EXTRAPOLATION,
     FLOW_OF_UNITS,
     FORCE_COMPONENTS,
-    PSI,
-    N,
-    U,
-    X,
-    Y,
 )
+from ship_gym.envs.interval import BAD_ACTION, BAD_OUTCOME, Episodes, Failure, Loops
 from ship_gym.envs.probe import check_outcomes, try_kernels
 from ship_gym.envs.randomisation import ShipDraws, check_has_std
 from ship_gym.envs.weather import Weathers
-from ship_gym.physics.dynamics import over_ground
+from ship_gym.physics._threads import in_parts
 from ship_gym.physics.waves import WAVE_EXTRAPOLATION
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.loader import load_ship
@@ -119,6 +115,33 @@ class EpisodeBatch:
         # the first interval that begins at that time or later, whatever the division rounds to
         self._fails_at = math.ceil(scenario.failure.time / scenario.control_interval - 1e-9)
 
+    @functools.cached_property
+    def _loops(self) -> Loops:
+        """Compiled loops over the arrays of this batch."""
+        episodes = Episodes(
+            self._actions, self._before, self.tasks, self._results, self.plans, self.terms,
+            self.observations, self._failures, self._aims, self._diverged, self._failure(),
+            self._privileged_from,
+        )  # fmt: skip
+        return Loops(self.task, self.sim.fleet, episodes)
+
+    def _failure(self) -> Failure:
+        """The failure of the scenario, as the loops take it."""
+        given = self.scenario.failure
+        propeller = -1.0 if given.propeller_speed is None else given.propeller_speed
+        return Failure(
+            at=self._fails_at if given.any else -1,
+            heading_bias=math.radians(given.heading_bias_deg),
+            propeller=float(propeller),
+            rudder=float(given.rudder_rate),
+        )
+
+    @property
+    def _privileged_from(self) -> int:
+        """First privileged column of the observation, 0 without."""
+        first = bridge.N_BRIDGE + len(self.task.observations)
+        return first if self.scenario.privileged else 0
+
     @property
     def ship(self) -> Ship:
         """The ship that sails in every episode.
@@ -148,6 +171,7 @@ class EpisodeBatch:
         outcomes = self.task.all_outcomes
         self._failures = np.array([outcome.failed for outcome in outcomes])
         self._aims = np.array([outcome.reached for outcome in outcomes])
+        self._actions = np.zeros((n, self.n_actions))
         self._diverged = np.zeros(n, dtype=np.bool_)
 
     def _name_results(self) -> None:
@@ -199,6 +223,7 @@ class EpisodeBatch:
             What is not drawn, arrays of m rows, see ``envs.start_options``.
         """
         sim, tasks, given = self.sim, self.tasks, given or {}
+        which = np.ascontiguousarray(which, dtype=np.int64)
         self._check_speed(which, given)
         if "sea_seed" in given:
             draws = self._with_seas_of(draws, given["sea_seed"])
@@ -212,32 +237,24 @@ class EpisodeBatch:
         order = math.pi * (2.0 * begin[:, 0] - 1.0)
         x, y = self._plan.make(which, plan, order, self.plans, tasks)
         if self.task.begin is not None:
-            self.task.begin(which, tasks, self.plans)
+            self._loops.begin(which)
         order = tasks["psi_ordered"][which]
         waves_to = self._weathers.draw(which, sea, order, tasks)
+        starts = np.empty((len(which), 4))
+        starts[:, 0], starts[:, 1], starts[:, 3] = x, y, tasks["speed"][which]
         error = math.radians(self.scenario.start.heading_error_deg) * (2.0 * begin[:, 1] - 1.0)
         if "heading_error_deg" in given:
             error = given["heading_error_deg"] * (math.pi / 180.0)
         if "position" in given:
-            x, y = given["position"].T
-        state = np.zeros((len(which), sim.state.shape[1]))
-        state[:, X], state[:, Y], state[:, PSI] = x, y, order + error
-        state[:, U], state[:, N] = tasks["speed"][which], tasks["n_order"][which]
+            starts[:, :2] = given["position"]
         if "speed" in given:
-            state[:, U] = given["speed"]
-        over_ground(state, sim.seas[which])
-        sim.state[which] = state
-        sim.time[which] = 0.0
-        sim.forces[which], sim.flow[which] = 0.0, 0.0
-        sim.commands[which, 0], sim.commands[which, 1] = 0.0, state[:, N]
-        self.terms[which], self._results[which] = 0.0, np.zeros((), bridge.RESULT_DTYPE)
-        if self.task.error is not None:
-            self.task.error(which, sim.state, tasks, self.errors)
+            starts[:, 3] = given["speed"]
+        starts[:, 2] = order + error
         self._begun = True
+        self._loops.start(which, starts)
         sim.set_sea(which, phases, waves_to)
-        self._fail()
-        try_kernels(self)
-        self.observe()
+        try_kernels(self.task, self._loops, len(self.reward_terms))
+        self.observe(which)
 
     def _check_speed(self, which: np.ndarray, given: Mapping[str, np.ndarray]) -> None:
         """Refuse a speed at the start that no ship has."""
@@ -254,24 +271,9 @@ class EpisodeBatch:
             row[first:last], row[phases:] = other[first:last], other[phases:]
         return draws
 
-    def observe(self) -> None:
-        """Refresh the observations from the present states."""
-        sim, seen = self.sim, self.observations
-        self.task.observe(
-            sim.state,
-            sim.waves,
-            sim.commands,
-            sim.records,
-            sim.seas,
-            self.tasks,
-            self.elapsed,
-            seen,
-        )
-        if self.scenario.privileged:
-            first = bridge.N_BRIDGE + len(self.task.observations)
-            privileged.observe_batch(
-                sim.state, sim.forces, sim.records, sim.seas, self.tasks, first, seen
-            )
+    def observe(self, which: np.ndarray | None = None) -> None:
+        """Refresh the observations of some episodes, shape (m,), or all from the present states."""
+        self._loops.observe(np.arange(self.n) if which is None else which)
 
     def randomisation(self) -> dict[str, np.ndarray]:
         """What was drawn for the ship of each episode, arrays of shape (n,); empty if it is off.
@@ -285,28 +287,16 @@ class EpisodeBatch:
         """Sail one control interval under actions of shape (n, n_actions)."""
         if not self._begun:
             raise ConfigError("step before reset: call reset first")
-        sim, before = self.sim, self._before
-        actions = self._shaped(actions)
-        good = bridge.command_batch(
-            actions, sim.state, sim.records, self.tasks, sim.commands, before
-        )
-        if good < self.n:
-            row = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
-            raise ConfigError(f"action {row} = {actions[row].tolist()}: must be finite, in [-1, 1]")
-        sim.sail()
-        self.task.judge(
-            sim.state, before, sim.seas, self.tasks, self.plans, self.terms, self._results
-        )
-        lost = bridge.account_batch(
-            sim.state, before, sim.flow, sim.records, sim.seas, self.tasks,
-            self._failures, self._aims, self._results, self._diverged,
-        )  # fmt: skip
-        if lost < 0:
+        self._actions[:] = self._shaped(actions)
+        lost = in_parts(self._loops.interval, self.n, self.sim.threads)
+        if min(lost) == BAD_ACTION:
+            row = int(np.flatnonzero(~np.isfinite(self._actions).all(axis=1))[0])
+            action = self._actions[row].tolist()
+            raise ConfigError(f"action {row} = {action}: must be finite, in [-1, 1]")
+        if min(lost) == BAD_OUTCOME:
             check_outcomes(self.task, self.outcomes)
-        if lost:
+        if any(lost):
             self._end_diverged(np.flatnonzero(self._diverged))
-        self._fail()
-        self.observe()
 
     def _end_diverged(self, which: np.ndarray) -> None:
         """End episodes whose ship is none any more; it gets back its last state, the rest sails on.
@@ -318,21 +308,8 @@ class EpisodeBatch:
         for loads in (sim.forces, sim.flow):
             loads[which] = np.where(np.isfinite(loads[which]), loads[which], 0.0)
         sim.see_waves(which)
-        bridge.end_diverged(which, self.tasks, self.terms, self._results)
-        if self.task.error is not None:
-            self.task.error(which, sim.state, self.tasks, self.errors)
-
-    def _fail(self) -> None:
-        """Let the failure of the scenario begin where it is time."""
-        failure = self.scenario.failure
-        if not failure.any:
-            return
-        now = self.elapsed == self._fails_at
-        self.tasks["heading_bias"][now] = math.radians(failure.heading_bias_deg)
-        if failure.propeller_speed is not None:
-            self.tasks["n_limit"][now] = failure.propeller_speed * self.tasks["n_order"][now]
-        rate = self._ship_draws.rudder_rate(np.flatnonzero(now))
-        self.sim.records["gear"]["rate"][now] = failure.rudder_rate * rate
+        self._loops.end(which)
+        self.observe(which)
 
     def _shaped(self, actions: Any) -> np.ndarray:
         """Actions as float64 of the right shape, else ConfigError."""
@@ -419,8 +396,8 @@ class EpisodeBatch:
         return groups, columns
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without the views of the info: a copy would lose their tie to what they look at."""
-        return {key: value for key, value in self.__dict__.items() if key != "_views"}
+        """Without the views and what is made of the arrays: a copy would lose their ties."""
+        return {k: v for k, v in self.__dict__.items() if k not in ("_views", "_loops")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """With views of its own results; of the type that numba knows by its identity."""
