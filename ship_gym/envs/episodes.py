@@ -27,7 +27,7 @@ from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import numbered
 from ship_gym.simulation import ShipSim
-from ship_gym.tasks import TASKS, bridge, observations_of, privileged
+from ship_gym.tasks import TASKS, bridge, observations_of
 from ship_gym.tasks.columns import ACTIONS
 from ship_gym.tasks.rewards import COSTS
 
