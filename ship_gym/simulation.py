@@ -189,7 +189,12 @@ class ShipSim:
 
     def set_water(self, water: Waters) -> None:
         """Replace the seas of all ships, as ``sea.records.waters`` makes them; then `set_sea`."""
-        self.water, self.seas = water, water.records
+        self.water = water
+        self.replace(seas=water.records)
+
+    def replace(self, **arrays: np.ndarray) -> None:
+        """Use other arrays of the same shapes and types instead of attributes of these names."""
+        self.__dict__.update(arrays)
         for made in ("fleet", "_sail"):
             self.__dict__.pop(made, None)
 

@@ -15,7 +15,9 @@ from ship_gym.conventions import (
     FLOW_EXTRAPOLATION,
     FLOW_OF_UNITS,
     FORCE_COMPONENTS,
+    N_FLOW,
 )
+from ship_gym.envs.info import Info, Layout, info_of_all, info_of_one, side_by_side
 from ship_gym.envs.interval import BAD_ACTION, BAD_OUTCOME, Episodes, Failure, Loops
 from ship_gym.envs.probe import check_outcomes, try_kernels
 from ship_gym.envs.randomisation import ShipDraws, check_has_std
@@ -167,21 +169,12 @@ class EpisodeBatch:
         self.plans = np.zeros((n, *self._plan.shape))
         self.terms = np.zeros((n, len(self.reward_terms)))
         self._results = np.zeros(n, bridge.RESULT_DTYPE)
-        self._name_results()
+        self._gather()
         outcomes = self.task.all_outcomes
         self._failures = np.array([outcome.failed for outcome in outcomes])
         self._aims = np.array([outcome.reached for outcome in outcomes])
         self._actions = np.zeros((n, self.n_actions))
         self._diverged = np.zeros(n, dtype=np.bool_)
-
-    def _name_results(self) -> None:
-        """Columns of the results, as views."""
-        results = self._results
-        self.rewards, self.errors = results["reward"], results["error"]
-        self.terminated, self.truncated = results["terminated"], results["truncated"]
-        self.elapsed, self.outcomes = results["elapsed"], results["outcome"]
-        self.power, self.energy = results["power"], results["energy"]
-        self.cost, self.success = results["cost"], results["success"]
 
     def _fill_tasks(self) -> None:
         scenario, tasks, unit = self.scenario, self.tasks, self._unit
@@ -289,14 +282,18 @@ class EpisodeBatch:
             raise ConfigError("step before reset: call reset first")
         self._actions[:] = self._shaped(actions)
         lost = in_parts(self._loops.interval, self.n, self.sim.threads)
-        if min(lost) == BAD_ACTION:
+        if any(lost):
+            self._told(min(lost))
+
+    def _told(self, lost: int) -> None:
+        """What the interval has found: a bad action or outcome, or ships that are none any more."""
+        if lost == BAD_ACTION:
             row = int(np.flatnonzero(~np.isfinite(self._actions).all(axis=1))[0])
             action = self._actions[row].tolist()
             raise ConfigError(f"action {row} = {action}: must be finite, in [-1, 1]")
-        if min(lost) == BAD_OUTCOME:
+        if lost == BAD_OUTCOME:
             check_outcomes(self.task, self.outcomes)
-        if any(lost):
-            self._end_diverged(np.flatnonzero(self._diverged))
+        self._end_diverged(np.flatnonzero(self._diverged))
 
     def _end_diverged(self, which: np.ndarray) -> None:
         """End episodes whose ship is none any more; it gets back its last state, the rest sails on.
@@ -312,7 +309,7 @@ class EpisodeBatch:
         self.observe(which)
 
     def _shaped(self, actions: Any) -> np.ndarray:
-        """Actions as float64 of the right shape, else ConfigError."""
+        """Actions of the right shape and a type of numbers, else ConfigError."""
         try:
             actions = np.asarray(actions)
         except ValueError:
@@ -326,14 +323,22 @@ class EpisodeBatch:
             )
         if actions.dtype.kind not in "fiu":
             raise ConfigError(f"action has type {actions.dtype}, allowed are numbers in [-1, 1]")
-        return actions.astype(np.float64)
+        return actions
 
-    def info(self) -> dict[str, Any]:
+    def info(self, mask: np.ndarray, copy: bool = True) -> Info:
         """What happened in the last interval, as arrays over the batch (zero after a reset).
+
+        Built when it is looked at, of what holds now, or, without `copy`, of what holds then.
+
+        Parameters
+        ----------
+        mask : numpy.ndarray
+            Of whom, bool (n,), as Gymnasium has it for each key.
+        copy : bool
 
         Returns
         -------
-        dict
+        Info
             ``reward_terms`` by name; ``forces`` by component, each (n, 3) X, Y [N], N [N m], and
             ``flow`` by name, both at the start of the interval, with two propellers also of each
             (``thrust_starboard``, ``thrust_port``); ``psi_ordered`` [rad], of a track
@@ -348,30 +353,22 @@ class EpisodeBatch:
             its wave table goes, 0 inside, and ``waves_outside``, the share of the waves' energy at
             frequencies outside it, where its ends hold (0.05 to 0.3 in the default sea).
         """
-        info: dict[str, Any] = {}
-        groups, columns = self._views
-        for key, (names, rows) in groups.items():
-            kept = rows.copy()
-            info[key] = {name: kept[:, k] for k, name in enumerate(names)}
-        return info | {key: values.copy() for key, values in columns.items()} | self._failed()
+        return info_of_all(self._layout, mask, self._only, copy)
 
-    def info_of(self, i: int) -> dict[str, Any]:
+    def info_of(self, i: int, copy: bool = True) -> Info:
         """Row i of `info` as plain numbers, without the detour over the batch."""
-        info: dict[str, Any] = {}
-        groups, columns = self._views
-        for key, (names, rows) in groups.items():
-            row = list(rows[i].copy()) if rows.ndim > 2 else rows[i].tolist()
-            info[key] = dict(zip(names, row, strict=True))
-        for key, values in columns.items():
-            info[key] = values.item(i)
-        for key, values in self._failed().items():
-            info[key] = values.item(i)
-        return info
+        return info_of_one(self._layout, i, copy)
 
     @functools.cached_property
-    def _views(self) -> tuple[dict[str, tuple[Sequence[str], np.ndarray]], dict[str, np.ndarray]]:
-        """Groups of the info (names, present values) and its single values, as views."""
-        sim, tasks = self.sim, self.tasks
+    def _only(self) -> dict[str, np.ndarray]:
+        """Who has loads of each propeller."""
+        two = np.array([ship.propellers == 2 for ship in self.ships])
+        return dict.fromkeys(FLOW_OF_UNITS[N_FLOW:], two)
+
+    @functools.cached_property
+    def _layout(self) -> Layout:
+        """Groups of the info (names, present values) and its single values."""
+        sim = self.sim
         groups: dict[str, tuple[Sequence[str], np.ndarray]] = {
             "reward_terms": (self.reward_terms, self.terms),
             "forces": (FORCE_COMPONENTS, sim.forces),
@@ -380,7 +377,7 @@ class EpisodeBatch:
         if self._ship_draws.names:
             groups["randomisation"] = (self._ship_draws.names, self._ship_draws.values)
         columns = {
-            "psi_ordered": tasks["psi_ordered"],
+            "psi_ordered": self._results["psi_ordered"],
             "time": sim.time,
             "power": self.power,
             "energy": self.energy,
@@ -392,20 +389,33 @@ class EpisodeBatch:
         columns |= self.task.info(self)
         if sim.water.n_waves:
             columns["waves_extrapolation"] = sim.waves[:, WAVE_EXTRAPOLATION]
-            columns["waves_outside"] = sim.seas["waves_outside"]
-        return groups, columns
+            columns["waves_outside"] = self._results["waves_outside"]
+        if self.scenario.failure.any:
+            columns["failed"] = self._results["failed"]
+        return Layout(self._buffer, groups, columns)
+
+    def _gather(self) -> None:
+        """Put the arrays that an info shows side by side in one buffer."""
+        sim = self.sim
+        shown = {name: getattr(sim, name) for name in ("forces", "flow", "waves", "time")}
+        self._buffer, views = side_by_side({**shown, "terms": self.terms, "results": self._results})
+        self.terms, self._results = views.pop("terms"), views.pop("results")
+        sim.replace(**views)
+        results = self._results
+        self.rewards, self.errors = results["reward"], results["error"]
+        self.terminated, self.truncated = results["terminated"], results["truncated"]
+        self.elapsed, self.outcomes = results["elapsed"], results["outcome"]
+        self.power, self.energy = results["power"], results["energy"]
+        self.cost, self.success = results["cost"], results["success"]
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the views and what is made of the arrays: a copy would lose their ties."""
-        return {k: v for k, v in self.__dict__.items() if k not in ("_views", "_loops")}
+        made = ("_layout", "_loops", "_buffer")
+        return {key: value for key, value in self.__dict__.items() if key not in made}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """With views of its own results; of the type that numba knows by its identity."""
+        """With arrays side by side again; of the type that numba knows by its identity."""
         self.__dict__.update(state)
         self.tasks = self.tasks.astype(bridge.record_dtype(self.task), copy=False)
         self._results = self._results.astype(bridge.RESULT_DTYPE, copy=False)
-        self._name_results()
-
-    def _failed(self) -> dict[str, np.ndarray]:
-        """Whether the failure of the scenario has begun; empty without one."""
-        return {"failed": self.elapsed >= self._fails_at} if self.scenario.failure.any else {}
+        self._gather()

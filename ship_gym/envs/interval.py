@@ -87,9 +87,10 @@ def judge(state, before, sea, task, plan, terms, result):
 
 
 @kernel
-def fail(task, ship, failure, elapsed):
+def fail(task, ship, failure, result):
     """Let the failure of the scenario begin where it is time."""
-    if elapsed == failure.at:
+    result.failed = 0 <= failure.at <= result.elapsed
+    if result.elapsed == failure.at:
         task.heading_bias = failure.heading_bias
         if failure.propeller >= 0.0:
             task.n_limit = failure.propeller * task.n_order
@@ -142,7 +143,8 @@ def _interval(first, last, fleet, episodes):
             if has_aim:
                 success = e.reached[result.outcome]
             account(state, e.before[i], fleet.flow[i], ship, task, good, failure, success, result)
-            fail(task, ship, e.failure, result.elapsed)
+            fail(task, ship, e.failure, result)
+            result.psi_ordered = task.psi_ordered
             e.diverged[i] = not good
             if not good:
                 lost += 1
@@ -184,7 +186,8 @@ def _start(which, starts, fleet, episodes):
         e.terms[i, :] = 0.0
         clear(result)
         result.error = error(state, task)
-        fail(task, fleet.ships[i], e.failure, 0)
+        result.psi_ordered, result.waves_outside = task.psi_ordered, fleet.seas[i].waves_outside
+        fail(task, fleet.ships[i], e.failure, result)
 
 
 def _observe(which, fleet, episodes):

@@ -38,6 +38,8 @@ def in_parts(call: Callable[[int, int], int], n: int, parts: int) -> list[int]:
     parts : int
         Number of parts, if there are blocks enough.
     """
+    if parts == 1:
+        return [call(0, n)]
     (first, last), *others = parts_of(n, parts)
     waiting = [_pool(os.getpid()).submit(call, *part) for part in others]
     return [call(first, last), *(one.result() for one in waiting)]

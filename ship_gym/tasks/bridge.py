@@ -109,12 +109,15 @@ RESULT_DTYPE = np.dtype(
                 ("error", np.float64),  # in the unit of the task
                 ("power", np.float64),  # delivered at the start of the interval [W]
                 ("energy", np.float64),  # since the reset [J]
+                ("psi_ordered", np.float64),  # now, as in the record of the episode [rad]
+                ("waves_outside", np.float64),  # as in the record of the sea
                 ("cost", np.float64),  # safety cost: 1 for a saturated rudder or a failure
                 ("elapsed", np.int64),  # intervals since the reset
                 ("outcome", np.int64),
                 ("terminated", np.bool_),
                 ("truncated", np.bool_),
                 ("success", np.bool_),
+                ("failed", np.bool_),  # whether the failure of the scenario has begun
             ],
             align=True,
         ),
@@ -124,11 +127,12 @@ RESULT_DTYPE = np.dtype(
 
 @kernel
 def clear(result):
-    """Make a result that of an episode which has just begun."""
+    """Make a result that of an episode which has just begun; nothing has failed."""
     result.reward, result.error = 0.0, 0.0
     result.power, result.energy, result.cost = 0.0, 0.0, 0.0
     result.elapsed, result.outcome = 0, RUNNING
     result.terminated, result.truncated, result.success = False, False, False
+    result.failed = False
 
 
 @kernel
