@@ -95,7 +95,7 @@ class EpisodeBatch:
         self._weathers = Weathers(scenario.sea, self.ships)
         self.sim.set_water(self._weathers.water)
         self._plan = self.task.plan(scenario, self.ships)
-        self._ship_draws = ShipDraws(scenario.randomisation, self.sim.records)
+        self._ship_draws = ShipDraws(scenario.randomisation, self.sim.records, len(given))
         parts = (
             2,  # ordered heading, heading error
             self._weathers.n_draws,

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
@@ -15,6 +14,7 @@ from ship_gym.envs.env import Given, action_space, observation_space, resolved_f
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.info import Info
 from ship_gym.envs.start_options import start_options
+from ship_gym.envs.streams import Streams
 from ship_gym.envs.view import Screen
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
@@ -87,8 +87,7 @@ class ShipVectorEnv(VectorEnv):
         self.single_action_space = action_space(self.scenario)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._generators: list[np.random.Generator | None] = [None] * self.num_envs
-        self._used_seeds: list[int | None] = [None] * self.num_envs
+        self._streams = Streams(self.num_envs)
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
         self._everyone = np.ones(self.num_envs, dtype=np.bool_)
         shown = self.num_envs if render_mode else 0
@@ -106,13 +105,13 @@ class ShipVectorEnv(VectorEnv):
 
     @property
     def np_random(self) -> tuple[np.random.Generator | None, ...]:
-        """Generator of each environment; None before the first reset."""
-        return tuple(self._generators)
+        """Generator of each environment as it is now, a copy; None before the first reset."""
+        return self._streams.generators()
 
     @property
     def np_random_seed(self) -> tuple[int | None, ...]:
         """Seed of each environment, seed + i; None before the first reset."""
-        return tuple(self._used_seeds)
+        return tuple(self._streams.seeds)
 
     def reset(
         self,
@@ -126,9 +125,7 @@ class ShipVectorEnv(VectorEnv):
         """
         given = start_options(options, self.num_envs, also=("reset_mask",))
         mask = self._reset_mask(options)
-        for i, s in enumerate(self._seeds(seed)):
-            if mask[i] and (s is not None or self._generators[i] is None):
-                self._generators[i], self._used_seeds[i] = seeding.np_random(s)
+        self._streams.seed(self._seeds(seed), mask)
         self._begin(mask, given)
         return self._seen(), self._infos(mask)
 
@@ -190,7 +187,7 @@ class ShipVectorEnv(VectorEnv):
 
     def _begin(self, mask: np.ndarray, given: Mapping[str, np.ndarray] | None = None) -> None:
         which = np.flatnonzero(mask)
-        draws = np.stack([self._generators[i].random(self.episodes.n_draws) for i in which])
+        draws = self._streams.random(which, self.episodes.n_draws)
         given = {name: values[which] for name, values in (given or {}).items()}
         self.episodes.start(which, draws, given)
         self._ended[which] = False
