@@ -104,7 +104,8 @@ class EpisodeBatch:
             1,  # key of the sensors' noise
             self.sim.water.n_phases,
         )
-        self._parts = np.cumsum(parts)[:-1].tolist()
+        ends = np.cumsum(parts).tolist()
+        self._parts = [slice(end - size, end) for end, size in zip(ends, parts, strict=True)]
         self.n_draws = sum(parts)
         self.n_actions = len(ACTIONS[scenario.control])
         self._unit = np.array([one.time_unit for one in self.ships])
@@ -195,6 +196,8 @@ class EpisodeBatch:
             "speed_noise": sensors.speed / unit,
             "position_noise": sensors.position / (unit * unit) * self.task.sees_position,
         }
+        for name, size in self._noise.items():
+            tasks[name] = size
 
     def start(
         self,
@@ -217,16 +220,13 @@ class EpisodeBatch:
         """
         sim, tasks, given = self.sim, self.tasks, given or {}
         which = np.ascontiguousarray(which, dtype=np.int64)
-        self._check_speed(which, given)
+        if "speed" in given:
+            self._check_speed(which, given["speed"])
         if "sea_seed" in given:
             draws = self._with_seas_of(draws, given["sea_seed"])
-        begin, sea, plan, ship, key, phases = np.split(draws, self._parts, axis=1)
-        self._ship_draws.draw(which, ship)
+        begin, sea, plan, ship, key, phases = (draws[:, part] for part in self._parts)
+        self._draw_ships(which, ship)
         tasks["noise_key"][which] = (key[:, 0] * _KEY_BITS).astype(np.int64)
-        for name, size in self._noise.items():
-            tasks[name][which] = size[which] * self._ship_draws.sensor_factor(which)
-        tasks["n_limit"][which], tasks["heading_bias"][which] = np.inf, 0.0
-        sim.records["gear"]["rate"][which] = self._ship_draws.rudder_rate(which)
         order = math.pi * (2.0 * begin[:, 0] - 1.0)
         x, y = self._plan.make(which, plan, order, self.plans, tasks)
         if self.task.begin is not None:
@@ -249,19 +249,29 @@ class EpisodeBatch:
         try_kernels(self.task, self._loops, len(self.reward_terms))
         self.observe(which)
 
-    def _check_speed(self, which: np.ndarray, given: Mapping[str, np.ndarray]) -> None:
+    def _draw_ships(self, which: np.ndarray, uniform: np.ndarray) -> None:
+        """Draw the ships of some episodes, with everything in order."""
+        draws, scenario = self._ship_draws, self.scenario
+        draws.draw(which, uniform)
+        if draws.names or scenario.failure.any:
+            self.sim.records["gear"]["rate"][which] = draws.rudder_rate(which)
+        if draws.names:
+            for name, size in self._noise.items():
+                self.tasks[name][which] = size[which] * draws.sensor_factor(which)
+
+    def _check_speed(self, which: np.ndarray, speeds: np.ndarray) -> None:
         """Refuse a speed at the start that no ship has."""
         fastest = bridge.FASTEST * self.tasks["speed"][which]
-        for speed, limit in zip(given.get("speed", ()), fastest, strict=False):
+        for speed, limit in zip(speeds, fastest, strict=True):
             check_number("options['speed']", speed, -limit, limit, "m/s")
 
     def _with_seas_of(self, draws: np.ndarray, seeds: np.ndarray) -> np.ndarray:
         """Draws with the numbers of the sea as the episodes of other seeds have them."""
         draws = draws.copy()
-        first, last, phases = self._parts[0], self._parts[1], self._parts[-1]
+        _, sea, *_, phases = self._parts
         for row, seed in zip(draws, seeds.tolist(), strict=True):
             other = seeding.np_random(seed)[0].random(self.n_draws)
-            row[first:last], row[phases:] = other[first:last], other[phases:]
+            row[sea], row[phases] = other[sea], other[phases]
         return draws
 
     def observe(self, which: np.ndarray | None = None) -> None:

@@ -184,6 +184,7 @@ def _start(which, starts, fleet, episodes):
         fleet.forces[i, :, :] = 0.0
         fleet.flow[i, :] = 0.0
         e.terms[i, :] = 0.0
+        task.n_limit, task.heading_bias = np.inf, 0.0
         clear(result)
         result.error = error(state, task)
         result.psi_ordered, result.waves_outside = task.psi_ordered, fleet.seas[i].waves_outside
