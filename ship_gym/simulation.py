@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -22,12 +24,13 @@ from ship_gym.conventions import (
     N,
     U,
 )
-from ship_gym.physics._kernel import threads_work
+from ship_gym.physics._kernel import direct
+from ship_gym.physics._threads import in_parts, usable_cores
 from ship_gym.physics.disturbance import set_harmonics
 from ship_gym.physics.dynamics import forces as ship_forces
 from ship_gym.physics.dynamics import over_ground, total
 from ship_gym.physics.quantities import Tables
-from ship_gym.physics.step import see_waves, step_batch, step_batch_parallel
+from ship_gym.physics.step import Fleet, sail, see_waves
 from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_waves
 from ship_gym.sea.records import Waters, set_phases, waters
 from ship_gym.sea.state import CALM, Sea
@@ -186,7 +189,14 @@ class ShipSim:
 
     def set_water(self, water: Waters) -> None:
         """Replace the seas of all ships, as ``sea.records.waters`` makes them; then `set_sea`."""
-        self.water, self.seas = water, water.records
+        self.water = water
+        self.replace(seas=water.records)
+
+    def replace(self, **arrays: np.ndarray) -> None:
+        """Use other arrays of the same shapes and types instead of attributes of these names."""
+        self.__dict__.update(arrays)
+        for made in ("fleet", "_sail"):
+            self.__dict__.pop(made, None)
 
     @property
     def _field(self):
@@ -263,21 +273,31 @@ class ShipSim:
 
     def sail(self) -> int:
         """As `advance`, but a state that is not finite is no error; returns how many are finite."""
-        threads = self.parallel and threads_work()
-        return (step_batch_parallel if threads else step_batch)(
-            self.state,
-            self.commands,
-            self.time,
-            self._clock,
-            self.records,
-            self.seas,
-            self._open_water,
-            self._deflected,
-            *self._field[1:],
-            self.forces,
-            self.flow,
-            self.waves,
-        )
+        return sum(in_parts(self._sail, self.n, self.threads))
+
+    @property
+    def threads(self) -> int:
+        """Number of threads that sail the batch."""
+        return max(usable_cores(), 2) if self.parallel else 1
+
+    @functools.cached_property
+    def fleet(self) -> Fleet:
+        """All arrays of the step, which stay the same ones from the first step on."""
+        return Fleet(
+            self.state, self.commands, self.time, self._clock, self.records, self.seas,
+            self._open_water, self._deflected, *self._field[1:], self.forces, self.flow, self.waves,
+        )  # fmt: skip
+
+    @functools.cached_property
+    def _sail(self) -> Callable[[int, int], int]:
+        """The compiled step of a part of the batch."""
+        fleet = self.fleet
+        run = direct(sail, (0, 0, fleet))
+        return lambda first, last: run(first, last, fleet)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what is made of the arrays: a copy makes its own."""
+        return {k: v for k, v in self.__dict__.items() if k not in ("fleet", "_sail")}
 
     def _report_divergence(self) -> None:
         i = int(np.flatnonzero(~np.isfinite(self.state).all(axis=1))[0])

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from ship_gym.conventions import DELTA, FORCE_COMPONENTS, PSI, N, R, U, V, X, Y
-from ship_gym.physics._kernel import batch, kernel, prange
+from ship_gym.physics._kernel import kernel, loop
 from ship_gym.physics.disturbance import disturbance_forces
 from ship_gym.physics.dynamics import OwnForces, flow_of, total, vary_current, water_velocity
 from ship_gym.physics.integrate import body_of, runge_kutta_4
@@ -156,36 +158,53 @@ def see_waves(which, times, states, seas, waves, groups, response, winds, met):
                 met[i, k] = found[k]
 
 
-def _step_batch(
-    states, commands, times, clock, ships, seas, open_water, deflected,
-    waves, groups, response, winds, forces, flow, met,
-):  # fmt: skip
-    """Advance every ship by one control interval, in place.
+class Fleet(NamedTuple):
+    """Everything of n ships that a step reads and writes.
+
+    ``state`` (n, 8); ``commands`` (n, 2); ``time`` (n,), own time of each ship [s]; ``clock``
+    (n, 2), integration step [s] and number of steps of each; ``ships``, ``seas``, structured (n,);
+    ``open_water`` (kinds, count, 2) and ``deflected`` (kinds, 2, count, count, 11), tables of each
+    kind of ship, which ``ships.kind`` selects; ``waves``, ``groups``, ``response``, ``winds`` of
+    ``sea.records.Waters``, where ``seas.response`` and ``seas.wind_table`` select; ``forces``
+    (n, N_FORCES, 3) and ``flow`` (n, 7 or 19) at the start of an interval, ``met`` (n, 9), the
+    waves at its end, are written.
+    """
+
+    state: np.ndarray
+    commands: np.ndarray
+    time: np.ndarray
+    clock: np.ndarray
+    ships: np.ndarray
+    seas: np.ndarray
+    open_water: np.ndarray
+    deflected: np.ndarray
+    waves: np.ndarray
+    groups: np.ndarray
+    response: np.ndarray
+    winds: np.ndarray
+    forces: np.ndarray
+    flow: np.ndarray
+    met: np.ndarray
+
+
+@loop
+def sail(first, last, fleet):
+    """Advance the ships from `first` up to `last` by one control interval, in place.
 
     Parameters
     ----------
-    states : ndarray (n, 8)
-    commands : ndarray (n, 2)
-    times : ndarray (n,)
-        Own time of each ship [s]; advanced in place.
-    clock : ndarray (n, 2)
-        Integration step [s] and number of steps of each ship.
-    ships, seas : structured ndarray (n,)
-    open_water, deflected : ndarray (kinds, count, 2), (kinds, 2, count, count, 11)
-        Tables of each kind of ship; ``ships.kind`` selects.
-    waves, groups, response, winds : ndarray
-        Of ``sea.records.Waters``; ``seas.response`` and ``seas.wind_table`` select.
-    forces, flow, met : ndarray (n, N_FORCES, 3), ndarray (n, 7 or 19), ndarray (n, 9)
-        Written: at the start of the interval; `met`, the waves, at its end. Not in a tuple,
-        because numba loses what a parallel loop writes into arrays that are unpacked from one.
+    first, last : int
+    fleet : Fleet
 
     Returns
     -------
     int
-        Number of ships whose new state is finite.
+        Number of them whose new state is finite.
     """
+    states, commands, times, clock, ships, seas = fleet[:6]
+    open_water, deflected, waves, groups, response, winds, forces, flow, met = fleet[6:]
     alive = 0
-    for i in prange(states.shape[0]):
+    for i in range(first, last):
         ship, sea = ships[i], seas[i]
         tables = Tables(open_water[ship.kind], deflected[ship.kind])
         around = Around(waves[i], groups, response[sea.response], winds[sea.wind_table])
@@ -206,6 +225,3 @@ def _step_batch(
         times[i] += clock[i, 0] * steps
         alive += finite(state)
     return alive
-
-
-step_batch, step_batch_parallel = batch(_step_batch)
