@@ -15,17 +15,19 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.gpu.arrays import Mirror
 from ship_gym.gpu.card import card, simulated
-from ship_gym.gpu.kernels import N_COUNTS, Failing, Fleet, Shared
+from ship_gym.gpu.kernels import ENDED, N_COUNTS, REFUSED, UNNAMED, Batch
+from ship_gym.gpu.rows import SHARED, leaves
 
 if TYPE_CHECKING:
     from ship_gym.envs.episodes import EpisodeBatch
 
 _RESULTS = ("reward", "error", "power", "energy", "cost", "elapsed", "outcome", "success")
+# what `ShipTorchEnv.tensor` shows: array of the batch, and field of its records
 NAMES = {
     **{name: ("results", name) for name in (*_RESULTS, "terminated", "truncated")},
-    "state": ("states", None),
+    "state": ("state", None),
     "commands": ("commands", None),
-    "time": ("times", None),
+    "time": ("time", None),
     "waves": ("met", None),
     "forces": ("forces", None),
     "flow": ("flow", None),
@@ -34,52 +36,10 @@ NAMES = {
 }
 
 
-def fleet_of(episodes: EpisodeBatch) -> Fleet:
-    """Arrays of the host that belong to single ships."""
-    sim = episodes.sim
-    return Fleet(
-        states=sim.state,
-        before=episodes._before,
-        commands=sim.commands,
-        times=sim.time,
-        clock=sim._clock,
-        ships=sim.records,
-        seas=sim.seas,
-        waves=sim.water.waves,
-        met=sim.waves,
-        forces=sim.forces,
-        flow=sim.flow,
-        tasks=episodes.tasks,
-        plans=episodes.plans,
-        terms=episodes.terms,
-        results=episodes._results,
-        observations=episodes.observations,
-        lost=episodes._diverged,
-    )
-
-
-def shared_of(episodes: EpisodeBatch) -> Shared:
-    """Arrays of the host that all ships share."""
-    sim = episodes.sim
-    return Shared(
-        open_water=sim._open_water,
-        deflected=sim._deflected,
-        groups=sim.water.groups,
-        response=sim.water.response,
-        winds=sim.water.winds,
-        failed=episodes._failures,
-        reached=episodes._aims,
-    )
-
-
-def failing_of(episodes: EpisodeBatch) -> Failing:
-    """The failure of the scenario; without one it never begins."""
-    failure = episodes.scenario.failure
-    if not failure.any:
-        return Failing(-1, 0.0, math.inf, 1.0)
-    speed = math.inf if failure.propeller_speed is None else failure.propeller_speed
-    bias = math.radians(failure.heading_bias_deg)
-    return Failing(episodes._fails_at, bias, float(speed), float(failure.rudder_rate))
+def batch_of(episodes: EpisodeBatch) -> Batch:
+    """The arrays of the host."""
+    loops = episodes._loops
+    return Batch(loops.fleet, loops.episodes)
 
 
 class HostBatch:
@@ -87,6 +47,7 @@ class HostBatch:
 
     def __init__(self, episodes: EpisodeBatch, torch: Any):
         self._episodes, self._torch = episodes, torch
+        self._arrays = dict(leaves(batch_of(episodes)))
 
     def step(self, actions: Any) -> bool:
         """Sail one interval under actions (n, n_actions); whether an episode has ended."""
@@ -100,8 +61,8 @@ class HostBatch:
     def tensor(self, name: str) -> Any:
         """Present values by a name of `NAMES`, without a copy."""
         array, field = NAMES[name]
-        array = getattr(fleet_of(self._episodes), array)
-        return self._torch.from_numpy(array if field is None else array[field])
+        host = self._arrays[array]
+        return self._torch.from_numpy(host if field is None else host[field])
 
 
 class CardBatch:
@@ -118,29 +79,32 @@ class CardBatch:
 
     def __init__(self, episodes: EpisodeBatch, torch: Any, device: Any):
         self._cuda = card(str(device), device.index or 0)
-        from ship_gym.gpu.threads import THREADS, sail_all, settle_all
+        from ship_gym.gpu.threads import THREADS, kernel_of
 
-        self._torch, self._index = torch, device.index or 0
+        self._torch, self._index, self._task = torch, device.index or 0, episodes.task
         self._memory = torch.device("cpu") if simulated() else device
-        self._task = episodes.task
-        made = (self._cuda, torch, self._memory)
+        batch, made = batch_of(episodes), (self._cuda, torch, self._memory)
+        self._mirrors: dict[str, Mirror] = {}
+        values = []
         with self._cuda.gpus[self._index]:
-            self._mirrors = Fleet(*(Mirror(a, *made) for a in fleet_of(episodes)))
-            self._shared = Shared(*(self._cuda.to_device(a) for a in shared_of(episodes)))
-            self._actions = Mirror(np.zeros((episodes.n, episodes.n_actions)), *made)
+            for name, value in leaves(batch):
+                if not isinstance(value, np.ndarray):
+                    values.append(value)
+                elif name in SHARED:
+                    values.append(self._cuda.to_device(value))
+                else:
+                    self._mirrors[name] = Mirror(value, *made)
+                    values.append(self._mirrors[name].kernel)
             self._counts = Mirror(np.zeros(N_COUNTS, dtype=np.int32), *made)
-        self._ordered, self._counted = self._actions.tensor(), self._counts.tensor()
-        self._fleet = Fleet(*(mirror.kernel for mirror in self._mirrors))
-        self._failing = failing_of(episodes)
-        self._blocks = math.ceil(episodes.n / THREADS)
-        self._threads = min(THREADS, episodes.n)
-        self._sail = sail_all
-        self._settle = settle_all(episodes.task, episodes.scenario.privileged)
+        self._values = tuple(values)
+        self._ordered, self._counted = self.tensor_of("actions"), self._counts.tensor()
+        self._n, self._threads = episodes.n, min(THREADS, episodes.n)
+        self._sail = kernel_of(episodes.task, batch)
 
     def step(self, actions: Any) -> bool:
         """Sail one interval under actions (n, n_actions); whether an episode has ended.
 
-        Three counts come to the host, nothing else.
+        Some counts come to the host, nothing else.
 
         Raises
         ------
@@ -150,31 +114,33 @@ class CardBatch:
         """
         self._ordered.copy_(actions)
         self._counted.zero_()
+        blocks = math.ceil(self._n / self._threads)
         with self._cuda.gpus[self._index]:
-            at = (self._blocks, self._threads, *self._stream())
-            counts = self._counts.kernel
-            self._sail[at](self._fleet, self._shared, self._actions.kernel, counts)
-            self._settle[at](self._fleet, self._shared, self._failing, counts)
-        ended, refused, unnamed = self._counted.tolist()
-        if refused:
+            launch = self._sail[(blocks, self._threads, *self._stream())]
+            launch(self._values, self._n, self._counts.kernel)
+        counts = self._counted.tolist()
+        if counts[REFUSED]:
             self._refuse(actions)
-        if unnamed:
+        if counts[UNNAMED]:
             known = ", ".join(outcome.name for outcome in self._task.all_outcomes)
             raise ConfigError(
                 f"task {self._task.name!r}: its kernel gives an outcome beyond those named: {known}"
             )
-        return ended > 0
+        return counts[ENDED] > 0
 
     def upload(self, which: np.ndarray) -> None:
         """New episodes have begun on the host: bring their rows (numbers, shape (m,)) here."""
         places = self._torch.from_numpy(which).to(self._memory)
-        for mirror in self._mirrors:
+        for mirror in self._mirrors.values():
             mirror.upload(which, places)
 
     def tensor(self, name: str) -> Any:
         """Present values by a name of `NAMES`, without a copy."""
-        array, field = NAMES[name]
-        return getattr(self._mirrors, array).tensor(field)
+        return self.tensor_of(*NAMES[name])
+
+    def tensor_of(self, array: str, field: str | None = None) -> Any:
+        """An array of the batch, or a field of its records, as a tensor of its memory."""
+        return self._mirrors[array].tensor(field)
 
     def _stream(self) -> tuple[Any, ...]:
         """Torch's present stream for a launch, so that both work in one order."""

@@ -1,12 +1,12 @@
-"""The kernels of the card: thread i does to ship i what ``kernels`` says.
+"""The kernel of the card: thread i sails an interval of ship i.
 
-Two for a step, because sailing is the same for all tasks: it is by far the longer to compile, and
-its machine code is kept on disk. Import this only once ``card.card`` has found everything.
+Import this only once ``card.card`` has found everything.
 """
 
 from __future__ import annotations
 
 import contextlib
+import types
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,13 +14,31 @@ from typing import TYPE_CHECKING
 from numba import cuda
 
 from ship_gym.gpu.card import simulated
-from ship_gym.gpu.kernels import ENDED, REFUSED, UNNAMED, order_and_sail, settling
+from ship_gym.gpu.kernels import RUNNING, Batch, interval_of_one
+from ship_gym.gpu.rows import of_one_ship
 from ship_gym.physics import _kernel
 
 if TYPE_CHECKING:
     from ship_gym.tasks.base import Task
 
 THREADS = 64  # of one block
+
+
+def one(values, i, j):
+    """Stands for that of ``rows.of_one_ship``."""
+
+
+def sail(batch):
+    """Stands for that of ``kernels.interval_of_one``."""
+
+
+def _sail_all(values, n, counts):
+    """Sail an interval of n episodes; `counts` how many came to what, by the codes of `kernels`."""
+    i = cuda.grid(1)
+    if i < n:
+        came = sail(one(values, i, i + 1))
+        if came != RUNNING:
+            cuda.atomic.add(counts, came, 1)
 
 
 @contextlib.contextmanager
@@ -39,27 +57,18 @@ def _kept_with_our_kernels() -> Iterator[None]:
         config.CACHE_DIR = before
 
 
-with _kept_with_our_kernels():
+def kernel_of(task: Task, batch: Batch) -> Callable:
+    """Kernel ``(values, n, counts)`` of a task for batches of this form.
 
-    @cuda.jit(cache=True)
-    def sail_all(fleet, shared, actions, counts):
-        """Sail one interval under actions (n, n_actions); refused ones are counted."""
-        i = cuda.grid(1)
-        if i < actions.shape[0] and order_and_sail(i, fleet, shared, actions) == 0:
-            cuda.atomic.add(counts, REFUSED, 1)
-
-
-def settle_all(task: Task, with_privileged: bool) -> Callable:
-    """Kernel that judges the interval of a task and counts the episodes that have ended."""
-    settle = cuda.jit(device=True)(settling(task, with_privileged))
-
-    def settle_each(fleet, shared, failing, counts):
-        i = cuda.grid(1)
-        if i < fleet.states.shape[0] and counts[REFUSED] == 0:
-            end = settle(i, fleet, shared, failing)
-            if end > 0:
-                cuda.atomic.add(counts, ENDED, 1)
-            if end < 0:
-                cuda.atomic.add(counts, UNNAMED, 1)
-
-    return cuda.jit(settle_each)
+    Its machine code is kept on disk if all of its sources are the package's: under a name that says
+    what the functions are that it calls, since numba does not look into those.
+    """
+    put_together, form = of_one_ship(batch)
+    device = cuda.jit(device=True)
+    scope = {**_sail_all.__globals__, "one": device(put_together)}
+    scope["sail"] = device(interval_of_one(task))
+    name = f"sail_{task.name}_{form}"
+    made = types.FunctionType(_sail_all.__code__, scope, name)
+    made.__qualname__ = name
+    with _kept_with_our_kernels():
+        return cuda.jit(cache=task.scenario is None)(made)

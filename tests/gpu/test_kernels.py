@@ -5,8 +5,9 @@ import pytest
 
 from ship_gym.conventions import U
 from ship_gym.envs.vector_env import ShipVectorEnv
-from ship_gym.gpu.batch import failing_of, fleet_of, shared_of
-from ship_gym.gpu.kernels import order_and_sail, settling
+from ship_gym.gpu.batch import batch_of
+from ship_gym.gpu.kernels import ENDED, REFUSED, RUNNING, interval_of_one
+from ship_gym.gpu.rows import leaves, of_one_ship
 from tests.gpu.voyages import VOYAGES
 
 N, LOST, INTERVALS = 3, 1, 6
@@ -18,7 +19,7 @@ def made(name):
     options = {"scenario": None, **VOYAGES[name]}
     envs = ShipVectorEnv(N, autoreset_mode="Disabled", **options)
     envs.reset(seed=7)
-    return envs
+    return envs.episodes
 
 
 # m/s of the ship that is lost; at the second her loads are not finite, and Python's math refuses
@@ -29,30 +30,38 @@ SPEEDS += [pytest.param("heading", 1e200, marks=pytest.mark.compiled)]
 @pytest.mark.parametrize("name, speed", SPEEDS)
 def test_one_ship_after_the_other(name, speed):
     ours, theirs = made(name), made(name)
-    episodes = ours.episodes
-    fleet, shared, failing = fleet_of(episodes), shared_of(episodes), failing_of(episodes)
-    settle = settling(episodes.task, ours.scenario.privileged)
-    expected = fleet_of(theirs.episodes)
+    batch, sail = batch_of(ours), interval_of_one(ours.task)
+    one, _ = of_one_ship(batch)
+    values = tuple(value for _, value in leaves(batch))
     generator = np.random.default_rng(5)
     for k in range(INTERVALS):
         if k == INTERVALS - 1:
-            fleet.states[LOST, U] = expected.states[LOST, U] = speed
-        actions = generator.uniform(-1.0, 1.0, ours.action_space.shape)
-        ended = []
-        for i in range(N):
-            assert order_and_sail(i, fleet, shared, actions) == 1
-            ended.append(settle(i, fleet, shared, failing))
-        theirs.episodes.step(actions)
-        for field, a, b in zip(fleet._fields, fleet, expected, strict=True):
-            np.testing.assert_array_equal(a, b, err_msg=field, strict=True)
-        ends = expected.results["terminated"] | expected.results["truncated"]
-        np.testing.assert_array_equal(ended, ends)
-    assert ended[LOST] == 1 and expected.lost.tolist() == [False, True, False]
+            ours.sim.state[LOST, U] = theirs.sim.state[LOST, U] = speed
+        actions = generator.uniform(-1.0, 1.0, (N, ours.n_actions))
+        batch.episodes.actions[:] = actions
+        came = [sail(one(values, i, i + 1)) for i in range(N)]
+        theirs.step(actions)
+        for (field, a), (_, b) in zip(leaves(batch), leaves(batch_of(theirs)), strict=True):
+            np.testing.assert_array_equal(a, b, err_msg=field)
+        ends = theirs.terminated | theirs.truncated
+        assert came == np.where(ends, ENDED, RUNNING).tolist()
+    assert came[LOST] == ENDED and theirs._diverged.tolist() == [False, True, False]
 
 
 def test_an_action_that_is_not_finite_is_not_sailed():
-    envs = made("calm")
-    fleet, shared = fleet_of(envs.episodes), shared_of(envs.episodes)
-    before = fleet.states.copy()
-    assert order_and_sail(0, fleet, shared, np.full((N, 1), np.nan)) == 0
-    np.testing.assert_array_equal(fleet.states, before)
+    episodes = made("calm")
+    batch = batch_of(episodes)
+    one, _ = of_one_ship(batch)
+    batch.episodes.actions[0] = np.nan
+    before = episodes.sim.state.copy()
+    values = tuple(value for _, value in leaves(batch))
+    assert interval_of_one(episodes.task)(one(values, 0, 1)) == REFUSED
+    np.testing.assert_array_equal(episodes.sim.state, before)
+
+
+def test_other_batches_have_other_names():
+    """Machine code is kept by these names."""
+    names = [of_one_ship(batch_of(made(name)))[1] for name in ("heading", "calm", "track")]
+    assert names[0] == names[1] == names[2]
+    tree = batch_of(made("calm"))
+    assert of_one_ship(tree._replace(fleet=None))[1] != names[0]
