@@ -23,12 +23,12 @@ from ship_gym.conventions import (
     U,
 )
 from ship_gym.physics._kernel import threads_work
-from ship_gym.physics.disturbance import set_harmonics
 from ship_gym.physics.dynamics import forces as ship_forces
 from ship_gym.physics.dynamics import over_ground, total
+from ship_gym.physics.parameters import Traits, as_numbers, traits_of
 from ship_gym.physics.quantities import Tables
-from ship_gym.physics.step import see_waves, step_batch, step_batch_parallel
-from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_waves
+from ship_gym.physics.step import Course, sail_rows, see_waves
+from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, scratch_for
 from ship_gym.sea.records import Waters, set_phases, waters
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.files import Named
@@ -93,8 +93,9 @@ class ShipSim:
         if len(self.ships) != self.n:
             raise ConfigError(f"{len(self.ships)} ships given for n = {self.n}")
         made = fleet(self.ships)
-        self.records = made.records
-        self._open_water, self._deflected = made.open_water, made.deflected
+        self._records, self._traits = made.records, None
+        self._expected: tuple[str, ...] = ()
+        self._tables = Tables(made.open_water, made.deflected)
         sea = CALM if sea is None else sea
         self.water = waters(self.ships, sea if isinstance(sea, Sea) else list(sea))
         self.seas = self.water.records
@@ -168,31 +169,54 @@ class ShipSim:
         waves_to : numpy.ndarray
             Where the waves go to, from north [rad], shape (m,).
         """
-        water = self.water
-        seas = self.seas[which]
-        set_harmonics(seas, uniform)
-        set_phases(seas, uniform)
-        self.seas[which] = seas
-        if water.n_waves:
-            for row, i in enumerate(which.tolist()):
-                phases = uniform[row, -water.n_waves :]
-                set_waves(water.components[i], waves_to[row], phases, water.waves[i])
+        self.seas["wave_to"][which] = waves_to
+        set_phases(self.water, which, uniform)
         self.see_waves(which)
 
     def see_waves(self, which: np.ndarray) -> None:
         """Refresh ``self.waves`` of some ships, shape (m,), from their states and times."""
         if self.water.n_waves:
-            see_waves(which, self.time, self.state, *self._field, self.waves)
+            _, work = scratch_for(self.water.n_waves)
+            see_waves(which, self.course, self.water.arrays, work)
 
     def set_water(self, water: Waters) -> None:
         """Replace the seas of all ships, as ``sea.records.waters`` makes them; then `set_sea`."""
         self.water, self.seas = water, water.records
 
     @property
-    def _field(self):
-        """Arrays of the seas, as the kernels take them."""
-        water = self.water
-        return self.seas, water.waves, water.groups, water.response, water.winds
+    def records(self) -> np.ndarray:
+        """Parameters of each ship, shape (n,); writing a column randomises it.
+
+        Take it anew for each change: what is common to all ships is found again after it was taken.
+        """
+        self._traits = None
+        return self._records
+
+    def expect(self, *traits: str) -> None:
+        """Prepare for what `records` will get while sailing, so that nothing is compiled then.
+
+        Parameters
+        ----------
+        *traits : str
+            Of ``physics.parameters.Traits``: ``each``, ships that differ; ``spread``, draws of the
+            surrogate.
+        """
+        self._expected, self._traits = traits, None
+
+    @property
+    def traits(self) -> Traits:
+        """What the ships have in common, a type to the compiler."""
+        if self._traits is None:
+            self._traits = traits_of(self._records, self._expected)
+        return self._traits
+
+    @property
+    def course(self) -> Course:
+        """The ships under way, as the kernels take them."""
+        return Course(
+            self.state, self.commands, self.time, self._clock, self._records,
+            as_numbers(self._records), self.forces, self.flow, self.waves,
+        )  # fmt: skip
 
     def self_propulsion(self, speed: np.ndarray) -> np.ndarray:
         """Propeller speed [rev/s] of each ship that holds a speed [m/s] on a straight course."""
@@ -263,21 +287,12 @@ class ShipSim:
 
     def sail(self) -> int:
         """As `advance`, but a state that is not finite is no error; returns how many are finite."""
-        threads = self.parallel and threads_work()
-        return (step_batch_parallel if threads else step_batch)(
-            self.state,
-            self.commands,
-            self.time,
-            self._clock,
-            self.records,
-            self.seas,
-            self._open_water,
-            self._deflected,
-            *self._field[1:],
-            self.forces,
-            self.flow,
-            self.waves,
-        )
+        arguments = self.course, self.water.arrays, self._tables, self.traits
+
+        def sail(first: int, last: int) -> int:
+            return sail_rows(first, last, *arguments, *scratch_for(self.water.n_waves))
+
+        return sail(0, self.n)
 
     def _report_divergence(self) -> None:
         i = int(np.flatnonzero(~np.isfinite(self.state).all(axis=1))[0])

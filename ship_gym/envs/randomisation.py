@@ -29,7 +29,7 @@ INTERACTION = {
     "a_H": ("rudder", ("a_H",)),
     "gamma_R": ("rudder", ("gamma_R_p", "gamma_R_n")),
 }
-_LOADING = (("hull", ("d", "volume")), ("inertia", ("m_u", "m_v", "m_xG", "I_r")))
+_LOADING = (("hull", ("d",)), ("inertia", ("m_u", "m_v", "m_xG", "I_r")))
 _CUT = 3.0  # to which normal draws are limited, in standard deviations
 
 

@@ -1,30 +1,39 @@
-"""The only loop over ships: one control interval of a batch, serial or parallel."""
+"""The only loop over ships: one control interval of a batch, in blocks of 64 ships."""
 
 from __future__ import annotations
 
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from ship_gym.conventions import DELTA, FORCE_COMPONENTS, PSI, N, R, U, V, X, Y
-from ship_gym.physics._kernel import batch, kernel, prange
+from ship_gym.physics._kernel import kernel, loop
 from ship_gym.physics.disturbance import disturbance_forces
-from ship_gym.physics.dynamics import OwnForces, flow_of, total, vary_current, water_velocity
-from ship_gym.physics.integrate import body_of, runge_kutta_4
-from ship_gym.physics.quantities import Around, Controls, Force, Motion, State, Tables
-from ship_gym.physics.waves import (
-    WAVE_EXTRAPOLATION,
-    WAVE_N,
-    WAVE_ROLL,
-    WAVE_SWAY,
-    WAVE_SWAY_VELOCITY,
-    WAVE_X,
-    WAVE_Y,
-    WAVE_YAW,
-    WAVE_YAW_RATE,
-    WaveState,
-    wave_loads,
+from ship_gym.physics.dynamics import (
+    Loading,
+    OwnForces,
+    Units,
+    flow_of,
+    vary_current,
+    water_velocity,
 )
-from ship_gym.physics.wind import wind_forces
+from ship_gym.physics.integrate import (
+    END,
+    MIDDLE,
+    START,
+    Current,
+    ask,
+    begin_step,
+    body_of,
+    set_controls,
+    set_now,
+)
+from ship_gym.physics.parameters import N_PARAMETERS, of_lane, ship_at
+from ship_gym.physics.quantities import Body, Controls, Force, Motion, Tables
+from ship_gym.physics.scratch import LANES
+from ship_gym.physics.waves import WAVE_LEAD, WAVE_N, WAVE_X, WAVE_Y, Waves, ahead_of, wave_loads
+from ship_gym.physics.wind import gust_factor, wind_forces
 
 
 class HeldLoads(NamedTuple):
@@ -35,7 +44,61 @@ class HeldLoads(NamedTuple):
     disturbance: Force
 
 
+class Water(NamedTuple):
+    """What surrounds the ships of a batch.
+
+    Attributes
+    ----------
+    seas : structured ndarray (n,)
+        ``ship_gym.sea.records.SEA_DTYPE``.
+    waves : Waves
+    winds : ndarray (kinds, count, 3)
+        Wind coefficients; ``seas.wind_table`` selects.
+    gusts, gust_phases : ndarray (kinds, 2, K), ndarray (n, K)
+        ``wind.gust_factor``.
+    harmonics : ndarray (n, 4, H)
+        ``disturbance.disturbance_forces``; H = 0 where no ship is disturbed.
+    """
+
+    seas: np.ndarray
+    waves: Waves
+    winds: np.ndarray
+    gusts: np.ndarray
+    gust_phases: np.ndarray
+    harmonics: np.ndarray
+
+
+class Course(NamedTuple):
+    """Ships under way, one row each; everything but commands, clock and ships is written.
+
+    Attributes
+    ----------
+    states : ndarray (n, 8)
+    commands : ndarray (n, 2)
+    times : ndarray (n,)
+        Own time of each ship [s].
+    clock : ndarray (n, 2)
+        Integration step [s] and number of steps of each interval.
+    ships, parameters : structured ndarray (n,), ndarray (n, 2 + N_PARAMETERS)
+        Records of the ships, and the same as numbers.
+    forces, flow, met : ndarray (n, N_FORCES, 3), ndarray (n, 7 or 19), ndarray (n, 10)
+        Of the first integration step: own forces and flow at its start, those from outside at its
+        middle; `met`, the waves, ``waves.WaveState``, at the end of the interval.
+    """
+
+    states: np.ndarray
+    commands: np.ndarray
+    times: np.ndarray
+    clock: np.ndarray
+    ships: np.ndarray
+    parameters: np.ndarray
+    forces: np.ndarray
+    flow: np.ndarray
+    met: np.ndarray
+
+
 NOTHING = Force(0.0, 0.0, 0.0)
+OUTSIDE = len(OwnForces._fields)
 if (*OwnForces._fields, *HeldLoads._fields) != FORCE_COMPONENTS:
     raise ImportError(
         "conventions.FORCES must name the fields of OwnForces, then those of HeldLoads: "
@@ -44,168 +107,224 @@ if (*OwnForces._fields, *HeldLoads._fields) != FORCE_COMPONENTS:
 
 
 @kernel
-def waves_now(time, body, sea, around):
-    """Drift and wave-frequency motion of one ship at one instant, a `WaveState`."""
-    u_c, _ = water_velocity(body.psi, sea)
-    grid = (sea.speed_step, sea.speed_max, body.u - u_c)
-    X, Y, N, sway, sway_velocity, roll, yaw, yaw_rate, fast = wave_loads(
-        time, body, around.waves, around.groups, around.response, grid, sea.mean_drift == 1
-    )
-    on = sea.drift
-    return WaveState(on * X, on * Y, on * N, sway, sway_velocity, roll, yaw, yaw_rate, fast)
+def held_loads(time, dt, body, water, ship, met, work):
+    """What is held during an integration step, as it is at its middle.
 
-
-@kernel
-def held_loads(time, dt, body, sea, met, around):
-    """What is held during an integration step.
-
-    Drift and wind are those of its start, the disturbance that of its middle.
+    Parameters
+    ----------
+    time, dt : float
+        Start and length of the step [s].
+    body : Body
+        At its start.
+    water : Water
+    ship : int
+        Row of the ship.
+    met : ndarray (10,)
+        What waves do to it, the drift that of this step's middle.
+    work : ndarray
+        Scratch of `wind.gust_factor`.
     """
+    sea = water.seas[ship]
     wave, wind, disturbance = NOTHING, NOTHING, NOTHING
     if sea.wavy == 1:
-        wave = Force(met.X, met.Y, met.N)
+        wave = Force(met[WAVE_X], met[WAVE_Y], met[WAVE_N])
     if sea.windy == 1:
-        wind = wind_forces(time, body, sea, around.wind)
+        kind, middle = sea.wind_table, time + 0.5 * dt
+        phases = water.gust_phases[ship]
+        factor = gust_factor(middle, sea.gust_scale, water.gusts[kind], phases, work)
+        wind = wind_forces(ahead_of(body, 0.5 * dt), factor, sea, water.winds[kind])
     if sea.disturbed == 1:
-        Y, N = disturbance_forces(time + 0.5 * dt, sea)
+        Y, N = disturbance_forces(time + 0.5 * dt, sea.omega_1, water.harmonics[ship])
         disturbance = Force(0.0, Y, N)
     return HeldLoads(wave, wind, disturbance)
 
 
 @kernel
-def step_one(state, command, clock, ship, sea, tables, around, met):
-    """One control interval of one ship.
-
-    Parameters
-    ----------
-    state : State
-    command : Controls
-    clock : (float, float, int)
-        Time at the start [s], length of one integration step [s], number of steps.
-    around : Around
-    met : WaveState
-        At the start.
-
-    Returns
-    -------
-    state : State
-    components : tuple of Force
-        Of ``conventions.FORCE_COMPONENTS`` in the first integration step.
-    flow : Flow
-        At the start of the interval.
-    met : WaveState
-        At the end.
-    """
-    time, dt, steps = clock
-    vary_current(time, sea)
-    held = held_loads(time, dt, body_of(state), sea, met, around)
-    u_c, v_c = water_velocity(state.psi, sea)
-    start, motion = Controls(state.delta, state.n), Motion(state.u - u_c, state.v - v_c, state.r)
-    state, own, units = runge_kutta_4(state, command, total(held), dt, ship, sea, tables)
-    flow = flow_of(motion, start, units, ship)
-    components = own[:] + held[:]  # numba joins plain tuples only
-    for k in range(1, steps):
-        now = time + k * dt
-        vary_current(now, sea)
-        if sea.wavy == 1:
-            met = waves_now(now, body_of(state), sea, around)
-        held = held_loads(now, dt, body_of(state), sea, met, around)
-        state, _, _ = runge_kutta_4(state, command, total(held), dt, ship, sea, tables)
+def see(time, lead, body, water, ship, work, met):
+    """Write what waves do to one ship at a time, the drift `lead` [s] later, into `met`."""
+    sea = water.seas[ship]
     if sea.wavy == 1:
-        met = waves_now(time + steps * dt, body_of(state), sea, around)
-    return state, components, flow, met
+        found = wave_loads(time, lead, body, sea, water.waves, ship, work)
+        for k in range(len(found)):
+            met[k] = found[k]
 
 
 @kernel
-def state_of(states, i):
-    """Row i of the states by name; a view of the row would cost its counted references."""
-    return State(
-        states[i, U], states[i, V], states[i, R], states[i, X], states[i, Y], states[i, PSI],
-        states[i, DELTA], states[i, N],
+def state_body(states, ship):
+    """The body in a row of the states."""
+    return Body(
+        states[ship, U], states[ship, V], states[ship, R],
+        states[ship, X], states[ship, Y], states[ship, PSI],
     )  # fmt: skip
 
 
-@kernel
-def waves_of(met, i):
-    """Row i of the wave states by name."""
-    return WaveState(
-        met[i, WAVE_X], met[i, WAVE_Y], met[i, WAVE_N], met[i, WAVE_SWAY],
-        met[i, WAVE_SWAY_VELOCITY], met[i, WAVE_ROLL], met[i, WAVE_YAW], met[i, WAVE_YAW_RATE],
-        met[i, WAVE_EXTRAPOLATION],
-    )  # fmt: skip
+@loop
+def see_waves(which, course, water, work):
+    """Refresh `met` of some ships, as after a reset."""
+    for ship in which:
+        lead = 0.5 * course.clock[ship, 0]
+        body = state_body(course.states, ship)
+        see(course.times[ship], lead, body, water, ship, work, course.met[ship])
 
 
 @kernel
-def finite(state):
-    """1 if every entry of the state is finite, else 0."""
-    total = 0.0
-    for value in state:
-        total += abs(value)
-    return 1 if math.isfinite(total) else 0
+def board(x, lo, hi, first, course, traits):
+    """Bring ships from row `first` on into the lanes; returns the largest number of steps."""
+    most = 0
+    for i in range(lo, hi):
+        ship = first + i
+        for k in range(6):
+            x.start[k, i] = course.states[ship, k]
+        x.delta[START, i], x.n[START, i] = course.states[ship, DELTA], course.states[ship, N]
+        x.command[0, i], x.command[1, i] = course.commands[ship, 0], course.commands[ship, 1]
+        x.dt[i], x.steps[i] = course.clock[ship, 0], int(course.clock[ship, 1])
+        x.kind[i] = course.ships[ship].kind
+        most = max(most, x.steps[i])
+        if traits.each is not None or i == lo:
+            x.ship[0, i] = course.parameters[ship, 0]
+            for k in range(1, N_PARAMETERS):
+                x.ship[k, i] = course.parameters[ship, k + 1]
+    return most
 
 
 @kernel
-def see_waves(which, times, states, seas, waves, groups, response, winds, met):
-    """Refresh ``waves_now`` of some ships, as after a reset; `met` (n, 9) is written."""
-    for i in which:
-        if seas[i].wavy == 1:
-            sea, body = seas[i], body_of(state_of(states, i))
-            around = Around(waves[i], groups, response[sea.response], winds[sea.wind_table])
-            found = waves_now(times[i], body, sea, around)
-            for k in range(len(found)):
-                met[i, k] = found[k]
+def load_lanes(x, lo, hi, first, step, course, water, work):
+    """Loads and current of every lane for its next step; those of the first one are kept."""
+    for i in range(lo, hi):
+        ship = first + i
+        sea, met, dt = water.seas[ship], course.met[ship], x.dt[i]
+        time = course.times[ship] + step * dt
+        vary_current(time, sea)
+        x.current[0, i], x.current[1, i] = sea.V_north, sea.V_east
+        body = body_of(x.start, i)
+        if sea.wavy == 1 and met[WAVE_LEAD] != 0.5 * dt:
+            see(time, 0.5 * dt, body, water, ship, work, met)
+        held = held_loads(time, dt, body, water, ship, met, x.gust)
+        for k in range(3):
+            x.load[k, i] = held.wave[k] + held.wind[k] + held.disturbance[k]
+        if step == 0:
+            for k in range(3):
+                course.forces[ship, OUTSIDE, k] = held.wave[k]
+                course.forces[ship, OUTSIDE + 1, k] = held.wind[k]
+                course.forces[ship, OUTSIDE + 2, k] = held.disturbance[k]
 
 
-def _step_batch(
-    states, commands, times, clock, ships, seas, open_water, deflected,
-    waves, groups, response, winds, forces, flow, met,
-):  # fmt: skip
-    """Advance every ship by one control interval, in place.
+@kernel
+def report(x, lo, hi, first, course, traits):
+    """Write own forces and flow of every lane, which are those at the start of the interval."""
+    common = ship_at(x, lo, traits)
+    for i in range(lo, hi):
+        ship = first + i
+        parameters = of_lane(x, i, traits, common)
+        for k in range(OUTSIDE):
+            for axis in range(3):
+                course.forces[ship, k, axis] = x.own[3 * k + axis, i]
+        q = x.units
+        units = Units(
+            Loading(q[0, i], q[1, i], q[2, i], q[3, i], q[4, i]),
+            Loading(q[5, i], q[6, i], q[7, i], q[8, i], q[9, i]),
+        )
+        u_c, v_c = water_velocity(x.start[PSI, i], Current(x.current[0, i], x.current[1, i]))
+        motion = Motion(x.start[U, i] - u_c, x.start[V, i] - v_c, x.start[R, i])
+        flow = flow_of(motion, Controls(x.delta[START, i], x.n[START, i]), units, parameters)
+        for k in range(course.flow.shape[1]):
+            course.flow[ship, k] = flow[k]
+
+
+@kernel
+def move(x, lo, hi, step):
+    """Put every lane that sails this step at its end."""
+    for i in range(lo, hi):
+        if step < x.steps[i]:
+            for k in range(6):
+                x.start[k, i] += x.sum[k, i]
+            x.delta[START, i], x.n[START, i] = x.delta[END, i], x.n[END, i]
+
+
+@kernel
+def look(x, lo, hi, first, step, course, water, work):
+    """What waves do to every lane that sails this step, at its end."""
+    for i in range(lo, hi):
+        if step < x.steps[i]:
+            ship, dt = first + i, x.dt[i]
+            time = course.times[ship] + (step + 1) * dt
+            see(time, 0.5 * dt, body_of(x.start, i), water, ship, work, course.met[ship])
+
+
+@kernel
+def land(x, lo, hi, first, course):
+    """Write the states back and let time go on; returns how many of the lanes' are finite."""
+    alive = 0
+    for i in range(lo, hi):
+        ship, total = first + i, abs(x.delta[START, i]) + abs(x.n[START, i])
+        for k in range(6):
+            course.states[ship, k] = x.start[k, i]
+            total += abs(x.start[k, i])
+        course.states[ship, DELTA], course.states[ship, N] = x.delta[START, i], x.n[START, i]
+        course.times[ship] += x.dt[i] * x.steps[i]
+        alive += 1 if math.isfinite(total) else 0
+    return alive
+
+
+# the four stages of classical Runge-Kutta: when controls are asked for, weight of the rates, and
+# how far they lead to the place of the next stage
+WHEN = (START, MIDDLE, MIDDLE, END)
+WEIGHT = (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0)
+REACH = (0.5, 0.5, 1.0, 0.0)
+
+
+@kernel
+def sail_block(x, lo, hi, first, course, water, tables, traits, work):
+    """Advance some ships by one control interval; the first lane holds the ship of row `first`.
 
     Parameters
     ----------
-    states : ndarray (n, 8)
-    commands : ndarray (n, 2)
-    times : ndarray (n,)
-        Own time of each ship [s]; advanced in place.
-    clock : ndarray (n, 2)
-        Integration step [s] and number of steps of each ship.
-    ships, seas : structured ndarray (n,)
-    open_water, deflected : ndarray (kinds, count, 2), (kinds, 2, count, count, 11)
-        Tables of each kind of ship; ``ships.kind`` selects.
-    waves, groups, response, winds : ndarray
-        Of ``sea.records.Waters``; ``seas.response`` and ``seas.wind_table`` select.
-    forces, flow, met : ndarray (n, N_FORCES, 3), ndarray (n, 7 or 19), ndarray (n, 9)
-        Written: at the start of the interval; `met`, the waves, at its end. Not in a tuple,
-        because numba loses what a parallel loop writes into arrays that are unpacked from one.
+    x : record
+        ``physics.scratch.SCRATCH``.
+    lo, hi : int
+        First lane, and the one after the last.
+    first : int
+        Row of the ship in lane 0.
+    course : Course
+    water : Water
+    tables : Tables
+        Of all kinds of ships: open water (kinds, count, 2), surrogate (kinds, 2, ..., 11).
+    traits : parameters.Traits
+    work : ndarray (N_SUMS, N or more)
+        Scratch of `waves.wave_loads`.
 
     Returns
     -------
     int
         Number of ships whose new state is finite.
     """
-    alive = 0
-    for i in prange(states.shape[0]):
-        ship, sea = ships[i], seas[i]
-        tables = Tables(open_water[ship.kind], deflected[ship.kind])
-        around = Around(waves[i], groups, response[sea.response], winds[sea.wind_table])
-        steps = int(clock[i, 1])
-        tick = (times[i], clock[i, 0], steps)
-        command = Controls(commands[i, 0], commands[i, 1])
-        state, parts, flow_i, after = step_one(
-            state_of(states, i), command, tick, ship, sea, tables, around, waves_of(met, i)
-        )
-        for k in range(len(state)):
-            states[i, k] = state[k]
-        for k in range(len(parts)):
-            forces[i, k, 0], forces[i, k, 1], forces[i, k, 2] = parts[k]
-        for k in range(flow.shape[1]):
-            flow[i, k] = flow_i[k]
-        for k in range(len(after)):
-            met[i, k] = after[k]
-        times[i] += clock[i, 0] * steps
-        alive += finite(state)
+    most = board(x, lo, hi, first, course, traits)
+    for step in range(most):
+        load_lanes(x, lo, hi, first, step, course, water, work)
+        begin_step(x, lo, hi)
+        for stage in range(len(WHEN)):
+            set_now(x, lo, hi, WHEN[stage])
+            ask(x, lo, hi, WEIGHT[stage], REACH[stage], tables, traits)
+            if stage == 0:
+                set_controls(x, lo, hi, traits)
+                if step == 0:
+                    report(x, lo, hi, first, course, traits)
+        move(x, lo, hi, step)
+        look(x, lo, hi, first, step, course, water, work)
+    return land(x, lo, hi, first, course)
+
+
+@kernel
+def sail(first, last, course, water, tables, traits, scratch, work):
+    """As `sail_block`, of the rows from `first` to `last`."""
+    x, alive = scratch[0], 0
+    for begin in range(first, last, LANES):
+        count = min(LANES, last - begin)
+        alive += sail_block(x, 0, count, begin, course, water, tables, traits, work)
     return alive
 
 
-step_batch, step_batch_parallel = batch(_step_batch)
+@loop
+def sail_rows(first, last, course, water, tables, traits, scratch, work):
+    """`sail` for a caller in Python."""
+    return sail(first, last, course, water, tables, traits, scratch, work)

@@ -4,34 +4,65 @@ Two time scales (White 2020): the drift, of second order in the wave amplitude, 
 the manoeuvring model; the wave-frequency motion, of first order, is what its sensors see on top of
 that and is never integrated.
 
-Two loops over the waves, for speed: the first, `met_waves`, has no sums and reads rows of numbers
-that lie side by side, so that it is compiled to vector instructions, without which the cosines and
-sines are half of the time; the second forms the sums.
+The motion is that of now; the drift is that of half an integration step later, where ship and
+waves will be if she goes on as she does: held during the step, it is then right to second order.
+
+For speed, each wave's share in every sum is written to a row of numbers first: that loop has no
+sums and is compiled to vector instructions. The rows are then summed in a fixed order.
 """
 
 from __future__ import annotations
 
 import math
+import threading
 from typing import NamedTuple
 
 import numpy as np
 
-from ship_gym.conventions import G
 from ship_gym.physics._kernel import kernel
-from ship_gym.physics.angles import cos_sin_of_turns, wrapped
+from ship_gym.physics.angles import cos_sin, cos_sin_of_turns, wrapped
+from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.interpolate import cell
+from ship_gym.physics.quantities import Body
+from ship_gym.physics.scratch import SCRATCH
 
-# Rows of the waves of one ship: amplitude [m], frequency [rad/s], wave number north and east [1/m],
-# phase [turns] and direction it goes to [rad]. ``sea.wave_response`` has the number of rows and the
-# channels of the response.
-AMPLITUDE, OMEGA, K_NORTH, K_EAST, PHASE, DIRECTION = range(6)
+# Rows of the waves of a sea: amplitude [m], frequency [rad/s], wave number [1/m]; of those of one
+# ship (`waves_of`) further the phase [turns] and the direction they go to [rad].
+AMPLITUDE, OMEGA, NUMBER, PHASE, DIRECTION = range(5)
+# Channels of a response: drift X, Y, N, and real and imaginary part of sway, roll and yaw
+DRIFT_X, DRIFT_Y, DRIFT_N, SWAY, SWAY_, ROLL, ROLL_, YAW, YAW_ = range(9)
+LANES_OF_SUM = 8
+
+
+class Waves(NamedTuple):
+    """The waves of all ships of a batch.
+
+    Attributes
+    ----------
+    components : ndarray (kinds, 3, N)
+        Amplitude, frequency and wave number of the waves of each sea, sorted by direction.
+    offsets, groups : ndarray (G,), ndarray of int (G + 1,)
+        Directions relative to the sea's main one [rad]; first wave of each, and N.
+    response : ndarray (kinds, speeds, headings, 9, N)
+        Of the ship in that sea. Headings from 0 to pi; sway, roll, yaw and their drift change sign
+        with the side.
+    phases : ndarray (n, N)
+        Of each ship [turns].
+    """
+
+    components: np.ndarray
+    offsets: np.ndarray
+    groups: np.ndarray
+    response: np.ndarray
+    phases: np.ndarray
 
 
 class WaveState(NamedTuple):
     """What waves do to a ship at one instant.
 
-    Drift X, Y [N], N [N m]; wave-frequency sway [m], its velocity [m/s], roll, yaw [rad] and yaw
-    rate [rad/s]; and how far the ship is faster than its table goes, 0 inside.
+    Drift X, Y [N], N [N m], half an integration step later; wave-frequency sway [m], its velocity
+    [m/s], roll, yaw [rad] and yaw rate [rad/s]; how far the ship is faster than its table goes, 0
+    inside; and that half step, `lead` [s].
     """
 
     X: float
@@ -43,13 +74,40 @@ class WaveState(NamedTuple):
     yaw: float
     yaw_rate: float
     extrapolation: float
+    lead: float
 
 
 WAVE_NAMES = WaveState._fields
 N_WAVE_STATE = len(WAVE_NAMES)
 WAVE_X, WAVE_Y, WAVE_N = range(3)
-WAVE_SWAY, WAVE_SWAY_VELOCITY, WAVE_ROLL, WAVE_YAW, WAVE_YAW_RATE, WAVE_EXTRAPOLATION = range(3, 9)
-_TURN = 2.0 * math.pi
+WAVE_SWAY, WAVE_SWAY_VELOCITY, WAVE_ROLL, WAVE_YAW, WAVE_YAW_RATE = range(3, 8)
+WAVE_EXTRAPOLATION, WAVE_LEAD = 8, 9
+_PER_TURN = 0.5 / math.pi
+
+
+class Sums(NamedTuple):
+    """What is summed over the waves, each `P` and `Q` a complex number.
+
+    P = sum a T exp(i theta) of each drift coefficient T and Q = sum a exp(i theta), half a step
+    later; then the motions now.
+    """
+
+    X: float
+    X_: float
+    Y: float
+    Y_: float
+    N: float
+    N_: float
+    Q: float
+    Q_: float
+    sway: float
+    sway_velocity: float
+    roll: float
+    yaw: float
+    yaw_rate: float
+
+
+N_SUMS = len(Sums._fields)
 
 
 @kernel
@@ -59,123 +117,216 @@ def relative_heading(psi, direction):
     return (mu, 1.0) if mu >= 0.0 else (-mu, -1.0)
 
 
-@kernel
-def met_waves(time, body, waves):
-    """Each wave as the ship meets it: a cos theta, a sin theta [m] and omega_e, shape (3, N).
+class Encounter(NamedTuple):
+    """How one ship meets the waves of one direction.
 
-    Theta = omega t - k . place + phase, of a wave of amplitude a; omega_e [rad/s] is its frequency
-    at a place that moves with the ship. `time`, `body` and `waves` as in `wave_loads`.
+    Attributes
+    ----------
+    along, speed : float
+        Her place [m] and velocity over ground [m/s] in that direction.
+    side : float
+        1 or -1, on which the waves come in.
+    i, j : int
+        Cell of the response, in speed and heading.
+    a, b, c, d : float
+        Weights of its corners (i, j), (i, j + 1), (i + 1, j), (i + 1, j + 1).
+    """
+
+    along: float
+    speed: float
+    side: float
+    i: int
+    j: int
+    a: float
+    b: float
+    c: float
+    d: float
+
+
+@kernel
+def encounter(body, direction, surge, response):
+    """`Encounter` of one ship with the waves that go to a direction [rad].
+
+    Parameters
+    ----------
+    body : Body
+    surge : (int, float)
+        Cell of her speed through the water, and the weight of its upper end.
+    response : ndarray (speeds, headings, 9, N)
     """
     u, v, _, x, y, psi = body
-    c_psi, s_psi = math.cos(psi), math.sin(psi)
-    north, east = u * c_psi - v * s_psi, u * s_psi + v * c_psi
-    met = np.empty((3, waves.shape[1]))
-    for k in range(waves.shape[1]):
-        a, omega = waves[AMPLITUDE, k], waves[OMEGA, k]
-        k_north, k_east = waves[K_NORTH, k], waves[K_EAST, k]
-        along = k_north * x + k_east * y
-        c, s = cos_sin_of_turns((omega * time - along) / _TURN + waves[PHASE, k])
-        met[0, k], met[1, k] = a * c, a * s
-        met[2, k] = omega - k_north * north - k_east * east
-    return met
+    c, s = cos_sin(direction)
+    c_mu, s_mu = cos_sin(psi - direction)
+    headings = response.shape[1]
+    mu, side = relative_heading(psi, direction)
+    j, q = cell(mu, 0.0, math.pi / (headings - 1), headings)
+    i, w = surge
+    p = 1.0 - w
+    speed = u * c_mu - v * s_mu
+    return Encounter(
+        x * c + y * s, speed, side, i, j, p * (1.0 - q), p * q, w * (1.0 - q), w * q
+    )
 
 
 @kernel
-def mixed(response, at, k, channel):
-    """A channel of wave k's response between four corners of the table (speed by heading)."""
-    i, j, a, b, c, d = at
-    low = a * response[i, j, k, channel] + b * response[i, j + 1, k, channel]
-    return low + c * response[i + 1, j, k, channel] + d * response[i + 1, j + 1, k, channel]
+def mixed(response, at, channel, k):
+    """A channel of wave k's response between the four corners of an `Encounter`."""
+    i, j = at.i, at.j
+    low = at.a * response[i, j, channel, k] + at.b * response[i, j + 1, channel, k]
+    return low + at.c * response[i + 1, j, channel, k] + at.d * response[i + 1, j + 1, channel, k]
 
 
 @kernel
-def set_waves(components, direction_to, uniform, waves):
-    """Set the waves of one ship's sea.
+def of_wave(k, time, lead, components, phase, response, now, later):
+    """`Sums` of wave k alone, of a sea of unit height.
+
+    A wave of amplitude a has the phase theta = omega t - k_w place + phase at the ship, and the
+    frequency omega_e at a place that moves with her.
 
     Parameters
     ----------
-    components : ndarray (N, 3)
-        Amplitude [m], frequency [rad/s] and direction relative to the sea's main one [rad].
-    direction_to : float
-        Where the sea goes to, from north [rad].
-    uniform : ndarray (N,)
-        Phases as fractions of a turn.
-    waves : ndarray (6, N)
-        Written.
+    time, lead : float
+        Now, and how much later the drift is [s].
+    components : ndarray (3, N)
+    phase : ndarray (N,)
+    now, later : Encounter
     """
-    for n in range(components.shape[0]):
-        amplitude, omega, offset = components[n, 0], components[n, 1], components[n, 2]
-        direction = direction_to + offset
-        k = omega * omega / G
-        waves[AMPLITUDE, n] = amplitude
-        waves[OMEGA, n] = omega
-        waves[K_NORTH, n] = k * math.cos(direction)
-        waves[K_EAST, n] = k * math.sin(direction)
-        waves[PHASE, n] = uniform[n]
-        waves[DIRECTION, n] = direction
+    a, omega, number = components[AMPLITUDE, k], components[OMEGA, k], components[NUMBER, k]
+    turns = (omega * (time + lead) - number * later.along) * _PER_TURN + phase[k]
+    c, s = cos_sin_of_turns(turns)
+    c, s = a * c, a * s
+    X = mixed(response, later, DRIFT_X, k)
+    Y = later.side * mixed(response, later, DRIFT_Y, k)
+    N = later.side * mixed(response, later, DRIFT_N, k)
+    drift = (X * c, X * s, Y * c, Y * s, N * c, N * s, c, s)
+    c, s = cos_sin_of_turns((omega * time - number * now.along) * _PER_TURN + phase[k])
+    c, s = now.side * a * c, now.side * a * s
+    omega_e = omega - number * now.speed
+    re, im = mixed(response, now, SWAY, k), mixed(response, now, SWAY_, k)
+    sway, sway_velocity = re * c - im * s, -omega_e * (re * s + im * c)
+    roll = mixed(response, now, ROLL, k) * c - mixed(response, now, ROLL_, k) * s
+    re, im = mixed(response, now, YAW, k), mixed(response, now, YAW_, k)
+    X, X_, Y, Y_, N, N_, c_, s_ = drift
+    return Sums(
+        X, X_, Y, Y_, N, N_, c_, s_,
+        sway, sway_velocity, roll, re * c - im * s, -omega_e * (re * s + im * c),
+    )  # fmt: skip
 
 
 @kernel
-def wave_loads(time, body, waves, groups, response, grid, mean_only):
-    """Drift on one ship and its wave-frequency motion at one instant.
+def lane_sum(row):
+    """Sum of a row whose length is a multiple of 8: eight sums side by side, then those."""
+    a = b = c = d = e = f = g = h = 0.0
+    for k in range(0, row.shape[0], LANES_OF_SUM):
+        a, b, c, d = a + row[k], b + row[k + 1], c + row[k + 2], d + row[k + 3]
+        e, f, g, h = e + row[k + 4], f + row[k + 5], g + row[k + 6], h + row[k + 7]
+    return ((a + e) + (c + g)) + ((b + f) + (d + h))
+
+
+@kernel
+def ahead_of(body, time):
+    """Body that has gone on for `time` [s] with its present velocities in body axes."""
+    u, v, r, x, y, psi = body
+    c, s = cos_sin(psi + 0.5 * r * time)
+    return Body(
+        u, v, r, x + time * (u * c - v * s), y + time * (u * s + v * c), psi + time * r
+    )
+
+
+@kernel
+def wave_loads(time, lead, body, sea, waves, ship, work):
+    """Drift on one ship and its wave-frequency motion.
 
     Newman's approximation with the arithmetic mean of the two drift coefficients, which factorises:
-    F = Re[P Q*], P = sum a T e^(i theta), Q = sum a e^(i theta). One wave alone gives a^2 T.
+    F = Re[P Q*], P = sum a T e^(i theta), Q = sum a e^(i theta). One wave alone gives a^2 T. With
+    ``sea.mean_drift`` only the constant part, sum a^2 T.
 
     Parameters
     ----------
-    time : float
-        [s]
+    time, lead : float
+        Now, and how much later the drift is [s].
     body : Body
-    waves : ndarray (6, N)
-        Sorted by direction.
-    groups : ndarray of int (G + 1,)
-        First wave of each direction, and N.
-    response : ndarray (speeds, headings, N, 9)
-        Headings from 0 to pi; sway, roll, yaw and their drift change sign with the side.
-    grid : (float, float, float)
-        Speed step of the table, its largest speed and surge velocity through the water [m/s].
-    mean_only : bool
-        Only the constant part of the drift, sum a^2 T.
+    sea : record
+        Current, kind and height of the waves and where they go to.
+    waves : Waves
+    ship : int
+        Row of her phases.
+    work : ndarray (N_SUMS, N or more)
+        Scratch, a multiple of 8 long; zero beyond N.
 
     Returns
     -------
     WaveState
     """
-    _, _, _, _, _, psi = body
-    met = met_waves(time, body, waves)
-    speeds, headings = response.shape[0], response.shape[1]
-    speed_step, speed_max, u = grid
-    i, w = cell(min(u, speed_max), 0.0, speed_step, speeds)
-    PX = PX_ = PY = PY_ = PN = PN_ = Q = Q_ = 0.0
-    sway = sway_rate = roll = yaw = yaw_rate = 0.0
-    for g in range(len(groups) - 1):
-        mu, side = relative_heading(psi, waves[DIRECTION, groups[g]])
-        j, q = cell(mu, 0.0, math.pi / (headings - 1), headings)
-        p = 1.0 - w
-        at = (i, j, p * (1.0 - q), p * q, w * (1.0 - q), w * q)
-        for k in range(groups[g], groups[g + 1]):
-            c, s, omega_e = met[0, k], met[1, k], met[2, k]
-            TX = mixed(response, at, k, 0)
-            TY = side * mixed(response, at, k, 1)
-            TN = side * mixed(response, at, k, 2)
-            if mean_only:
-                a2 = waves[AMPLITUDE, k] * waves[AMPLITUDE, k]
-                PX, PY, PN = PX + a2 * TX, PY + a2 * TY, PN + a2 * TN
-            else:
-                PX, PX_ = PX + TX * c, PX_ + TX * s
-                PY, PY_ = PY + TY * c, PY_ + TY * s
-                PN, PN_ = PN + TN * c, PN_ + TN * s
-                Q, Q_ = Q + c, Q_ + s
-            c, s = side * c, side * s
-            re, im = mixed(response, at, k, 3), mixed(response, at, k, 4)
-            sway += re * c - im * s
-            sway_rate -= omega_e * (re * s + im * c)
-            roll += mixed(response, at, k, 5) * c - mixed(response, at, k, 6) * s
-            re, im = mixed(response, at, k, 7), mixed(response, at, k, 8)
-            yaw += re * c - im * s
-            yaw_rate -= omega_e * (re * s + im * c)
-    if not mean_only:
-        PX, PY, PN = PX * Q + PX_ * Q_, PY * Q + PY_ * Q_, PN * Q + PN_ * Q_
-    outside = max(0.0, u / speed_max - 1.0)
-    return WaveState(PX, PY, PN, sway, sway_rate, roll, yaw, yaw_rate, outside)
+    kind = sea.response
+    components, response, phase = waves.components[kind], waves.response[kind], waves.phases[ship]
+    u_c, _ = water_velocity(body.psi, sea)
+    u = body.u - u_c
+    surge = cell(min(u, sea.speed_max), 0.0, sea.speed_step, response.shape[0])
+    later = ahead_of(body, lead)
+    for g in range(waves.offsets.shape[0]):
+        direction = sea.wave_to + waves.offsets[g]
+        at = encounter(body, direction, surge, response)
+        then = encounter(later, direction, surge, response)
+        for k in range(waves.groups[g], waves.groups[g + 1]):
+            one = of_wave(k, time, lead, components, phase, response, at, then)
+            for j in range(N_SUMS):
+                work[j, k] = one[j]
+    if sea.mean_drift == 1:
+        constant_part(work, phase.shape[0])
+    total = Sums(
+        lane_sum(work[0]), lane_sum(work[1]), lane_sum(work[2]), lane_sum(work[3]),
+        lane_sum(work[4]), lane_sum(work[5]), lane_sum(work[6]), lane_sum(work[7]),
+        lane_sum(work[8]), lane_sum(work[9]), lane_sum(work[10]), lane_sum(work[11]),
+        lane_sum(work[12]),
+    )  # fmt: skip
+    return of_sums(total, sea, max(0.0, u / sea.speed_max - 1.0), lead)
+
+
+@kernel
+def constant_part(work, count):
+    """Leave of the drift's sums what does not vary: a^2 T of each wave."""
+    for k in range(count):
+        c, s = work[6, k], work[7, k]
+        for j in range(0, 6, 2):
+            work[j, k], work[j + 1, k] = work[j, k] * c + work[j + 1, k] * s, 0.0
+        work[6, k], work[7, k] = 1.0 / count, 0.0
+
+
+@kernel
+def of_sums(total, sea, extrapolation, lead):
+    """`WaveState` of the sums over all waves; `sea` says how high the waves are."""
+    t, height = total, sea.wave_share
+    force = sea.drift * height * height
+    return WaveState(
+        X=force * (t.X * t.Q + t.X_ * t.Q_),
+        Y=force * (t.Y * t.Q + t.Y_ * t.Q_),
+        N=force * (t.N * t.Q + t.N_ * t.Q_),
+        sway=height * t.sway,
+        sway_velocity=height * t.sway_velocity,
+        roll=height * t.roll,
+        yaw=height * t.yaw,
+        yaw_rate=height * t.yaw_rate,
+        extrapolation=extrapolation,
+        lead=lead,
+    )
+
+
+_of_thread = threading.local()
+
+
+def scratch_for(n_waves: int) -> tuple[np.ndarray, np.ndarray]:
+    """Scratch of the calling thread, for a number of waves.
+
+    Returns
+    -------
+    scratch : structured ndarray (1,)
+        ``physics.scratch.SCRATCH``.
+    work : ndarray (N_SUMS, a multiple of 8)
+        Of `wave_loads`.
+    """
+    kept = _of_thread.__dict__.setdefault("arrays", {})
+    if n_waves not in kept:
+        length = max(-(-n_waves // LANES_OF_SUM), 1) * LANES_OF_SUM
+        kept[n_waves] = np.zeros(1, SCRATCH), np.zeros((N_SUMS, length))
+    return kept[n_waves]

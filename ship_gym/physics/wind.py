@@ -6,45 +6,56 @@ import math
 
 from ship_gym.conventions import RHO_AIR
 from ship_gym.physics._kernel import kernel
-from ship_gym.physics.angles import cos_sin_of_turns
+from ship_gym.physics.angles import arctan2, cos_sin, cos_sin_of_turns
 from ship_gym.physics.interpolate import cell, linear
 from ship_gym.physics.quantities import Force
+from ship_gym.physics.waves import lane_sum
 
 _TURN = 2.0 * math.pi
+_PER_TURN = 1.0 / _TURN
 
 
 @kernel
-def gust_factor(time, sea):
-    """Wind speed over its mean, 1 + sum share cos(omega t + phase)."""
-    factor = 1.0
-    for k in range(len(sea.gust_share)):
-        turns = sea.gust_omega[k] * time / _TURN + sea.gust_phase[k]
-        factor += sea.gust_share[k] * cos_sin_of_turns(turns)[0]
-    return factor
+def gust_factor(time, scale, gusts, phases, work):
+    """Wind speed over its mean, 1 + scale sum share cos(omega t + phase).
+
+    Parameters
+    ----------
+    time, scale : float
+        [s], -
+    gusts : ndarray (2, K)
+        Share of each harmonic and its frequency [rad/s].
+    phases : ndarray (K,)
+        Fractions of a turn.
+    work : ndarray
+        Scratch, a multiple of 8 and at least K long; zero beyond K.
+    """
+    for k in range(phases.shape[0]):
+        work[k] = gusts[0, k] * cos_sin_of_turns(gusts[1, k] * time * _PER_TURN + phases[k])[0]
+    return 1.0 + scale * lane_sum(work)
 
 
 @kernel
-def wind_forces(time, body, sea, table):
+def wind_forces(body, factor, sea, table):
     """Force X, Y [N] and moment N [N m] of the wind relative to the ship.
 
     gamma_w = atan2(v - v_wind, u - u_wind): 0 is a head wind, 90 deg from starboard.
 
     Parameters
     ----------
-    time : float
-        [s]
     body : Body
+    factor : float
+        Wind speed over its mean.
     sea : record
-        Mean wind, gusts, areas A_F, A_L [m2] and length L_oa [m].
+        Mean wind, areas A_F, A_L [m2] and length L_oa [m].
     table : ndarray (count, 3)
         CX, CY, CN over gamma_w from 0 to 2 pi.
     """
     u, v, _, _, _, psi = body
-    factor = gust_factor(time, sea)
     north, east = sea.wind_north * factor, sea.wind_east * factor
-    c, s = math.cos(psi), math.sin(psi)
+    c, s = cos_sin(psi)
     du, dv = u - (north * c + east * s), v - (east * c - north * s)
-    gamma = math.atan2(dv, du)
+    gamma = arctan2(dv, du)
     if gamma < 0.0:
         gamma += _TURN
     count = table.shape[0]

@@ -20,11 +20,15 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import G
+from ship_gym.physics.disturbance import draw_disturbance
+from ship_gym.physics.scratch import N_GUSTS
+from ship_gym.physics.step import Water
+from ship_gym.physics.waves import Waves
+from ship_gym.sea.components import WaveComponents
 from ship_gym.sea.gusts import gust_harmonics
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.sea.wave_response import (
     BLANK_RESPONSE,
-    N_WAVE,
     SPEED_STEP,
     energy_outside,
     wave_response,
@@ -36,13 +40,12 @@ from ship_gym.ships.records import numbered
 
 N_HARMONICS = 16
 N_DISTURBANCE = 2 * N_HARMONICS  # phases of sway force and yaw moment
-N_GUSTS = 20
 _FIRST = 0.4  # omega_1 T: 90 % of the spectrum's variance lies below the last harmonic
 
 SEA_DTYPE = np.dtype(
     (
         np.record,
-        [
+        np.dtype([
             # what every step reads stands together, in the first cache lines
             ("V_north", np.float64),  # current now, and its mean and slow variation
             ("V_east", np.float64),
@@ -69,12 +72,10 @@ SEA_DTYPE = np.dtype(
             ("L_oa", np.float64),
             ("wind_north", np.float64),  # mean wind velocity [m/s]
             ("wind_east", np.float64),
-            *(
-                (name, np.float64, (N_HARMONICS,))
-                for name in ("amplitude", "Y_cos", "Y_sin", "N_cos", "N_sin")
-            ),
-            *((f"gust_{name}", np.float64, (N_GUSTS,)) for name in ("share", "omega", "phase")),
-        ],
+            ("gust_scale", np.float64),  # of the shares of the gusts' harmonics
+            ("wave_share", np.float64),  # height of the waves by that of their components
+            ("wave_to", np.float64),  # where they go to, from north [rad]
+        ], align=True),
     )
 )
 
@@ -83,40 +84,72 @@ SEA_DTYPE = np.dtype(
 class Waters:
     """What surrounds n ships.
 
+    What the seas of many ships have in common, such as the components of their waves, is there
+    once for each different pair of ship and sea; `records` says which.
+
     Attributes
     ----------
     records : numpy.ndarray
         SEA_DTYPE, shape (n,).
-    waves : numpy.ndarray
-        Shape (n, 6, N), rows of ``physics.waves``; set by ``physics.waves.set_waves``.
-    components : numpy.ndarray
-        Shape (n, N, 3): amplitude [m], frequency [rad/s] and direction relative to the sea's main
-        one [rad], from which `waves` are set.
-    groups : numpy.ndarray
-        First wave of each direction, and N, shape (G + 1,).
-    response : numpy.ndarray
-        Shape (kinds, speeds, headings, N, 9).
+    waves : physics.waves.Waves
     winds : numpy.ndarray
         Wind coefficients, shape (kinds, 181, 3).
+    gusts, gust_phases : numpy.ndarray
+        Share and frequency [rad/s] of the gusts' harmonics, shape (kinds, 2, K), and their phases
+        [turns], shape (n, K); K = 0 where no ship has gusts.
+    harmonics : numpy.ndarray
+        Of the disturbance, shape (n, 4, H); H = 0 where there is none.
     """
 
     records: np.ndarray
-    waves: np.ndarray
-    components: np.ndarray
-    groups: np.ndarray
-    response: np.ndarray
+    waves: Waves
     winds: np.ndarray
+    gusts: np.ndarray
+    gust_phases: np.ndarray
+    harmonics: np.ndarray
 
     @property
     def n_waves(self) -> int:
         """Number of waves."""
-        return self.waves.shape[2]
+        return self.waves.phases.shape[1]
 
     @property
     def n_phases(self) -> int:
         """Uniform numbers for the phases of one ship: of the disturbance, then of the rest."""
         rest = self.n_waves or self.records["windy"].any() or self.records["variation"].any()
         return N_DISTURBANCE + (1 + N_GUSTS + self.n_waves if rest else 0)
+
+    @property
+    def arrays(self) -> Water:
+        """As the kernels take it."""
+        return Water(
+            self.records, self.waves, self.winds, self.gusts, self.gust_phases, self.harmonics
+        )
+
+    def waves_of(self, ship: int) -> np.ndarray:
+        """The waves of one ship as they are, shape (5, N), rows of ``physics.waves``.
+
+        Amplitude [m], frequency [rad/s], wave number [1/m], phase [turns] and the direction to
+        which they go [rad].
+        """
+        record, waves = self.records[ship], self.waves
+        amplitude, omega, number = waves.components[record["response"]]
+        each = np.repeat(waves.offsets, np.diff(waves.groups))
+        direction = record["wave_to"] + each
+        return np.stack(
+            [record["wave_share"] * amplitude, omega, number, waves.phases[ship], direction]
+        )
+
+    def for_ships(self, rows: np.ndarray) -> Waters:
+        """The seas of the given rows, one each; their phases are still to be drawn."""
+        n = len(rows)
+        return dataclasses.replace(
+            self,
+            records=self.records[rows],
+            waves=self.waves._replace(phases=np.zeros((n, self.n_waves))),
+            gust_phases=np.zeros((n, self.gust_phases.shape[1])),
+            harmonics=np.zeros((n, *self.harmonics.shape[1:])),
+        )
 
 
 def disturbance_spectrum(omega, correlation_time: float):
@@ -136,6 +169,9 @@ def disturbance_harmonics(correlation_time: float) -> tuple[np.ndarray, np.ndarr
     omega = _FIRST / correlation_time * np.arange(1, N_HARMONICS + 1)
     energy = disturbance_spectrum(omega, correlation_time)
     return omega, np.sqrt(2.0 * energy / energy.sum())
+
+
+DISTURBANCE_AMPLITUDE = disturbance_harmonics(1.0)[1]  # the same for every correlation time
 
 
 def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
@@ -164,15 +200,15 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
     for other in parts:
         if not np.array_equal(other.direction, first.direction):
             raise ConfigError("the seas of one simulation must have the same wave directions")
-    count = len(first.omega)
     records = np.zeros(len(ships), SEA_DTYPE)
-    components = np.zeros((len(ships), count, 3))
     responses: list[np.ndarray] = []
+    components: list[np.ndarray] = []
     winds: list[np.ndarray] = []
+    gusts: list[np.ndarray] = []
     made: dict[tuple[int, int], int] = {}
     for i, key in enumerate(zip(ship_numbers, sea_numbers, strict=True)):
         if key in made:
-            records[i], components[i] = records[made[key]], components[made[key]]
+            records[i] = records[made[key]]
             continue
         made[key] = i
         ship, s = kinds[key[0]], different[key[1]]
@@ -180,37 +216,52 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
         if s.wind_speed > 0.0:
             records[i]["wind_table"] = len(winds)
             winds.append(wind_table(ship.wind, ship.wind_type, ship.hull.B, s.wind_method).values)
-        if count:
-            waves = parts[key[1]]
-            components[i] = np.stack([waves.amplitude, waves.omega, waves.direction], axis=1)
-            records[i]["wavy"], records[i]["response"] = 1, len(responses)
-            records[i]["speed_step"] = SPEED_STEP * math.sqrt(G * ship.hull.L)
-            records[i]["waves_outside"] = energy_outside(ship, waves)
-            responses.append(wave_response(ship, waves.omega, s.surge_model))
-            records[i]["speed_max"] = wave_table_of(ship).froude[-1] * math.sqrt(G * ship.hull.L)
+            gusts.append(_gusts(ship, s))
+        if len(first.omega):
+            _fill_waves(records[i], ship, parts[key[1]], len(responses))
+            omega = parts[key[1]].omega
+            responses.append(wave_response(ship, omega, s.surge_model))
+            components.append(np.stack([parts[key[1]].amplitude, omega, omega**2 / G]))
+    n = len(ships)
     breaks = np.flatnonzero(np.diff(first.direction)) + 1
-    groups = np.array([0, *breaks.tolist(), count] if count else [0], dtype=np.int64)
-    response = _stacked(responses) if responses else BLANK_RESPONSE
-    waves = np.zeros((len(ships), N_WAVE, count))
-    table = np.stack(winds) if winds else np.zeros((1, 2, 3))
-    return Waters(records, waves, components, groups, response, table)
+    groups = np.array([0, *breaks.tolist(), len(first.omega)] if responses else [0])
+    waves = Waves(
+        components=np.stack(components) if components else np.zeros((1, 3, 0)),
+        offsets=np.array(first.direction)[groups[:-1]],
+        groups=groups.astype(np.int64),
+        response=_stacked(responses) if responses else BLANK_RESPONSE,
+        phases=np.zeros((n, len(first.omega))),
+    )
+    gusty = any(s.gusts for s in different)
+    return Waters(
+        records,
+        waves,
+        winds=np.stack(winds) if winds else np.zeros((1, 2, 3)),
+        gusts=np.stack(gusts) if gusty else np.zeros((max(len(gusts), 1), 2, 0)),
+        gust_phases=np.zeros((n, N_GUSTS if gusty else 0)),
+        harmonics=np.zeros((n, 4, N_HARMONICS if records["disturbed"].any() else 0)),
+    )
 
 
-def set_phases(records: np.ndarray, uniform: np.ndarray) -> None:
-    """Set the phases of the slow current and of the gusts, if there are any, in place.
+def set_phases(water: Waters, which: np.ndarray, uniform: np.ndarray) -> None:
+    """Set all phases of some ships, in place.
 
     Parameters
     ----------
-    records : numpy.ndarray
-        SEA_DTYPE, shape (n,).
+    water : Waters
+    which : numpy.ndarray
+        Indices of the ships, shape (m,).
     uniform : numpy.ndarray
-        Numbers in [0, 1), shape (n, `Waters.n_phases`): phases of the disturbance
-        (``physics.disturbance.set_harmonics``), of the current, of the gusts and of the waves
-        (``physics.waves.set_waves``), as fractions of a turn.
+        Numbers in [0, 1), shape (m, `Waters.n_phases`): phases of the disturbance, of the current,
+        of the gusts and of the waves, as fractions of a turn.
     """
+    if water.harmonics.shape[2]:
+        draw_disturbance(which, water.harmonics, water.records, DISTURBANCE_AMPLITUDE, uniform)
     if uniform.shape[1] > N_DISTURBANCE:
-        records["variation_phase"] = uniform[:, N_DISTURBANCE]
-        records["gust_phase"] = uniform[:, N_DISTURBANCE + 1 :][:, :N_GUSTS]
+        water.records["variation_phase"][which] = uniform[:, N_DISTURBANCE]
+        gusts = uniform[:, N_DISTURBANCE + 1 :][:, : water.gust_phases.shape[1]]
+        water.gust_phases[which] = gusts
+        water.waves.phases[which] = uniform[:, uniform.shape[1] - water.n_waves :]
 
 
 def _stacked(responses: list[np.ndarray]) -> np.ndarray:
@@ -222,7 +273,7 @@ def _stacked(responses: list[np.ndarray]) -> np.ndarray:
 
 def _fill(record: np.record, ship: Ship, sea: Sea) -> None:
     """Everything of a sea but its waves."""
-    omega, amplitude = disturbance_harmonics(sea.correlation_time * ship.hull.L / ship.speed)
+    omega, _ = disturbance_harmonics(sea.correlation_time * ship.hull.L / ship.speed)
     force = 0.5 * ship.rho * ship.hull.L * ship.hull.d * ship.speed**2
     north = sea.current_speed * math.cos(sea.current_direction_to)
     east = sea.current_speed * math.sin(sea.current_direction_to)
@@ -231,7 +282,7 @@ def _fill(record: np.record, ship: Ship, sea: Sea) -> None:
     record["variation"] = sea.current_variation if sea.current_speed > 0.0 else 0.0
     record["variation_omega"] = 2.0 * math.pi / sea.current_period
     record["disturbed"] = sea.sway_disturbance > 0.0 or sea.yaw_disturbance > 0.0
-    record["omega_1"], record["amplitude"] = omega[0], amplitude
+    record["omega_1"] = omega[0]
     record["Y_std"] = sea.sway_disturbance * force
     record["N_std"] = sea.yaw_disturbance * force * ship.hull.L
     record["drift"], record["mean_drift"] = sea.drift != "none", sea.drift == "mean"
@@ -249,8 +300,21 @@ def _fill_wind(record: np.record, ship: Ship, sea: Sea) -> None:
         record[name] = getattr(ship.wind, name)
     record["wind_north"] = -sea.wind_speed * math.cos(sea.wind_direction_from)
     record["wind_east"] = -sea.wind_speed * math.sin(sea.wind_direction_from)
-    if sea.gusts:
-        full = sea.wind_speed * ship.time_unit  # the spectrum is that of the full scale
-        height = max(ship.wind.s_H * ship.scale, 1.0)
-        omega, amplitude = gust_harmonics(full, height, N_GUSTS)
-        record["gust_omega"], record["gust_share"] = omega * ship.time_unit, amplitude / full
+    record["gust_scale"] = 1.0 if sea.gusts else 0.0
+
+
+def _fill_waves(record: np.record, ship: Ship, waves: WaveComponents, kind: int) -> None:
+    record["wavy"], record["response"], record["wave_share"] = 1, kind, 1.0
+    record["waves_outside"] = energy_outside(ship, waves)
+    record["speed_step"] = SPEED_STEP * math.sqrt(G * ship.hull.L)
+    record["speed_max"] = wave_table_of(ship).froude[-1] * math.sqrt(G * ship.hull.L)
+
+
+def _gusts(ship: Ship, sea: Sea) -> np.ndarray:
+    """Share and frequency [rad/s] of the gusts' harmonics, shape (2, N_GUSTS); zero without."""
+    if not sea.gusts:
+        return np.zeros((2, N_GUSTS))
+    full = sea.wind_speed * ship.time_unit  # the spectrum is that of the full scale
+    height = max(ship.wind.s_H * ship.scale, 1.0)
+    omega, amplitude = gust_harmonics(full, height, N_GUSTS)
+    return np.stack([amplitude / full, omega * ship.time_unit])

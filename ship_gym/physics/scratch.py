@@ -1,0 +1,42 @@
+"""Scratch of the loop over ships: numbers of 64 ships side by side, so that it is vectorised.
+
+One record whose fields are arrays of constant size: the compiler then knows that they do not
+overlap. A lane is a ship's place in it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ship_gym.physics.parameters import N_PARAMETERS
+
+LANES = 64
+N_GUSTS = 20
+_GUSTS = -(-N_GUSTS // 8) * 8  # as `waves.lane_sum` needs it; zero at the end
+
+_FIELDS = [
+    ("ship", (N_PARAMETERS, LANES)),  # parameters.ship_at
+    ("start", (6, LANES)),  # Body at the start of the step,
+    ("at", (6, LANES)),  # where the rates are asked for,
+    ("sum", (6, LANES)),  # and the weighted sum of the rates
+    ("delta", (3, LANES)),  # Controls at start, middle and end of the step
+    ("n", (3, LANES)),
+    ("now", (2, LANES)),  # those of a stage
+    ("command", (2, LANES)),
+    ("load", (3, LANES)),  # sum of the loads that are held
+    ("current", (2, LANES)),  # north and east [m/s]
+    ("own", (9, LANES)),  # OwnForces at the last asked place
+    ("units", (10, LANES)),  # Units there
+    ("dt", (LANES,)),  # integration step [s]
+    ("gust", (_GUSTS,)),
+]
+SCRATCH = np.dtype(
+    (
+        np.record,
+        np.dtype(
+            [(name, np.float64, shape) for name, shape in _FIELDS]
+            + [("kind", np.int64, (LANES,)), ("steps", np.int64, (LANES,))],
+            align=True,
+        ),
+    )
+)
