@@ -27,8 +27,9 @@ from ship_gym.physics.dynamics import forces as ship_forces
 from ship_gym.physics.dynamics import over_ground, total
 from ship_gym.physics.parameters import Traits, as_numbers, traits_of
 from ship_gym.physics.quantities import Tables
+from ship_gym.physics.scratch import own_scratch
 from ship_gym.physics.step import Course, sail_rows, see_waves
-from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, scratch_for
+from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES
 from ship_gym.sea.records import Waters, set_phases, waters
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.files import Named
@@ -176,8 +177,7 @@ class ShipSim:
     def see_waves(self, which: np.ndarray) -> None:
         """Refresh ``self.waves`` of some ships, shape (m,), from their states and times."""
         if self.water.n_waves:
-            _, work = scratch_for(self.water.n_waves)
-            see_waves(which, self.course, self.water.arrays, work)
+            see_waves(which, self.course, self.water.arrays, own_scratch())
 
     def set_water(self, water: Waters) -> None:
         """Replace the seas of all ships, as ``sea.records.waters`` makes them; then `set_sea`."""
@@ -290,7 +290,7 @@ class ShipSim:
         arguments = self.course, self.water.arrays, self._tables, self.traits
 
         def sail(first: int, last: int) -> int:
-            return sail_rows(first, last, *arguments, *scratch_for(self.water.n_waves))
+            return sail_rows(first, last, *arguments, own_scratch())
 
         return sail(0, self.n)
 

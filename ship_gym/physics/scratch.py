@@ -6,11 +6,15 @@ overlap. A lane is a ship's place in it.
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 
 from ship_gym.physics.parameters import N_PARAMETERS
 
 LANES = 64
+N_TOGETHER = 64  # waves whose sums are formed at once
+N_SUMS = 13  # waves.Sums
 N_GUSTS = 20
 _GUSTS = -(-N_GUSTS // 8) * 8  # as `waves.lane_sum` needs it; zero at the end
 
@@ -29,6 +33,7 @@ _FIELDS = [
     ("units", (10, LANES)),  # Units there
     ("dt", (LANES,)),  # integration step [s]
     ("gust", (_GUSTS,)),
+    ("wave", (N_SUMS, N_TOGETHER)),  # waves.summed
 ]
 SCRATCH = np.dtype(
     (
@@ -40,3 +45,12 @@ SCRATCH = np.dtype(
         ),
     )
 )
+
+_of_thread = threading.local()
+
+
+def own_scratch() -> np.ndarray:
+    """Scratch of the calling thread, shape (1,)."""
+    if not hasattr(_of_thread, "scratch"):
+        _of_thread.scratch = np.zeros(1, SCRATCH)
+    return _of_thread.scratch

@@ -159,12 +159,12 @@ def state_body(states, ship):
 
 
 @loop
-def see_waves(which, course, water, work):
+def see_waves(which, course, water, scratch):
     """Refresh `met` of some ships, as after a reset."""
     for ship in which:
         lead = 0.5 * course.clock[ship, 0]
         body = state_body(course.states, ship)
-        see(course.times[ship], lead, body, water, ship, work, course.met[ship])
+        see(course.times[ship], lead, body, water, ship, scratch[0].wave, course.met[ship])
 
 
 @kernel
@@ -188,7 +188,7 @@ def board(x, lo, hi, first, course, traits):
 
 
 @kernel
-def load_lanes(x, lo, hi, first, step, course, water, work):
+def load_lanes(x, lo, hi, first, step, course, water):
     """Loads and current of every lane for its next step; those of the first one are kept."""
     for i in range(lo, hi):
         ship = first + i
@@ -198,7 +198,7 @@ def load_lanes(x, lo, hi, first, step, course, water, work):
         x.current[0, i], x.current[1, i] = sea.V_north, sea.V_east
         body = body_of(x.start, i)
         if sea.wavy == 1 and met[WAVE_LEAD] != 0.5 * dt:
-            see(time, 0.5 * dt, body, water, ship, work, met)
+            see(time, 0.5 * dt, body, water, ship, x.wave, met)
         held = held_loads(time, dt, body, water, ship, met, x.gust)
         for k in range(3):
             x.load[k, i] = held.wave[k] + held.wind[k] + held.disturbance[k]
@@ -242,13 +242,13 @@ def move(x, lo, hi, step):
 
 
 @kernel
-def look(x, lo, hi, first, step, course, water, work):
+def look(x, lo, hi, first, step, course, water):
     """What waves do to every lane that sails this step, at its end."""
     for i in range(lo, hi):
         if step < x.steps[i]:
             ship, dt = first + i, x.dt[i]
             time = course.times[ship] + (step + 1) * dt
-            see(time, 0.5 * dt, body_of(x.start, i), water, ship, work, course.met[ship])
+            see(time, 0.5 * dt, body_of(x.start, i), water, ship, x.wave, course.met[ship])
 
 
 @kernel
@@ -274,7 +274,7 @@ REACH = (0.5, 0.5, 1.0, 0.0)
 
 
 @kernel
-def sail_block(x, lo, hi, first, course, water, tables, traits, work):
+def sail_block(x, lo, hi, first, course, water, tables, traits):
     """Advance some ships by one control interval; the first lane holds the ship of row `first`.
 
     Parameters
@@ -290,8 +290,6 @@ def sail_block(x, lo, hi, first, course, water, tables, traits, work):
     tables : Tables
         Of all kinds of ships: open water (kinds, count, 2), surrogate (kinds, 2, ..., 11).
     traits : parameters.Traits
-    work : ndarray (N_SUMS, N or more)
-        Scratch of `waves.wave_loads`.
 
     Returns
     -------
@@ -300,7 +298,7 @@ def sail_block(x, lo, hi, first, course, water, tables, traits, work):
     """
     most = board(x, lo, hi, first, course, traits)
     for step in range(most):
-        load_lanes(x, lo, hi, first, step, course, water, work)
+        load_lanes(x, lo, hi, first, step, course, water)
         begin_step(x, lo, hi)
         for stage in range(len(WHEN)):
             set_now(x, lo, hi, WHEN[stage])
@@ -310,21 +308,21 @@ def sail_block(x, lo, hi, first, course, water, tables, traits, work):
                 if step == 0:
                     report(x, lo, hi, first, course, traits)
         move(x, lo, hi, step)
-        look(x, lo, hi, first, step, course, water, work)
+        look(x, lo, hi, first, step, course, water)
     return land(x, lo, hi, first, course)
 
 
 @kernel
-def sail(first, last, course, water, tables, traits, scratch, work):
+def sail(first, last, course, water, tables, traits, scratch):
     """As `sail_block`, of the rows from `first` to `last`."""
     x, alive = scratch[0], 0
     for begin in range(first, last, LANES):
         count = min(LANES, last - begin)
-        alive += sail_block(x, 0, count, begin, course, water, tables, traits, work)
+        alive += sail_block(x, 0, count, begin, course, water, tables, traits)
     return alive
 
 
 @loop
-def sail_rows(first, last, course, water, tables, traits, scratch, work):
+def sail_rows(first, last, course, water, tables, traits, scratch):
     """`sail` for a caller in Python."""
-    return sail(first, last, course, water, tables, traits, scratch, work)
+    return sail(first, last, course, water, tables, traits, scratch)

@@ -14,7 +14,6 @@ sums and is compiled to vector instructions. The rows are then summed in a fixed
 from __future__ import annotations
 
 import math
-import threading
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +23,7 @@ from ship_gym.physics.angles import cos_sin, cos_sin_of_turns, wrapped
 from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.interpolate import cell
 from ship_gym.physics.quantities import Body
-from ship_gym.physics.scratch import SCRATCH
+from ship_gym.physics.scratch import N_SUMS, N_TOGETHER
 
 # Rows of the waves of a sea: amplitude [m], frequency [rad/s], wave number [1/m]; of those of one
 # ship (`waves_of`) further the phase [turns] and the direction they go to [rad].
@@ -107,7 +106,7 @@ class Sums(NamedTuple):
     yaw_rate: float
 
 
-N_SUMS = len(Sums._fields)
+NO_WAVES = Sums(*[0.0] * N_SUMS)
 
 
 @kernel
@@ -214,13 +213,44 @@ def of_wave(k, time, lead, components, phase, response, now, later):
 
 
 @kernel
-def lane_sum(row):
-    """Sum of a row whose length is a multiple of 8: eight sums side by side, then those."""
+def lane_sum(row, count):
+    """Sum of the first `count` numbers of a row, a multiple of 8: eight sums side by side."""
     a = b = c = d = e = f = g = h = 0.0
-    for k in range(0, row.shape[0], LANES_OF_SUM):
+    for k in range(0, count, LANES_OF_SUM):
         a, b, c, d = a + row[k], b + row[k + 1], c + row[k + 2], d + row[k + 3]
         e, f, g, h = e + row[k + 4], f + row[k + 5], g + row[k + 6], h + row[k + 7]
     return ((a + e) + (c + g)) + ((b + f) + (d + h))
+
+
+@kernel
+def summed(
+    total, first, count, time, lead, components, phase, response, now, later, mean, work
+):  # fmt: skip
+    """`total` and what some waves of one direction add to it, at most 64 of them.
+
+    `first` and `count` are unsigned, for which no index from the end is looked for in the loop;
+    else as in `of_wave`. With `mean` only the constant part of the drift.
+    """
+    for k in range(count):
+        one = of_wave(first + k, time, lead, components, phase, response, now, later)
+        for j in range(N_SUMS):
+            work[j, k] = one[j]
+    if mean:
+        constant_part(work, count)
+    full = -(-np.int64(count) // LANES_OF_SUM) * LANES_OF_SUM
+    for k in range(np.int64(count), full):
+        for j in range(N_SUMS):
+            work[j, k] = 0.0
+    t = total
+    return Sums(
+        t.X + lane_sum(work[0], full), t.X_ + lane_sum(work[1], full),
+        t.Y + lane_sum(work[2], full), t.Y_ + lane_sum(work[3], full),
+        t.N + lane_sum(work[4], full), t.N_ + lane_sum(work[5], full),
+        t.Q + lane_sum(work[6], full), t.Q_ + lane_sum(work[7], full),
+        t.sway + lane_sum(work[8], full), t.sway_velocity + lane_sum(work[9], full),
+        t.roll + lane_sum(work[10], full), t.yaw + lane_sum(work[11], full),
+        t.yaw_rate + lane_sum(work[12], full),
+    )  # fmt: skip
 
 
 @kernel
@@ -251,8 +281,8 @@ def wave_loads(time, lead, body, sea, waves, ship, work):
     waves : Waves
     ship : int
         Row of her phases.
-    work : ndarray (N_SUMS, N or more)
-        Scratch, a multiple of 8 long; zero beyond N.
+    work : ndarray (N_SUMS, N_TOGETHER)
+        Scratch.
 
     Returns
     -------
@@ -263,24 +293,21 @@ def wave_loads(time, lead, body, sea, waves, ship, work):
     u_c, _ = water_velocity(body.psi, sea)
     u = body.u - u_c
     surge = cell(min(u, sea.speed_max), 0.0, sea.speed_step, response.shape[0])
-    later = ahead_of(body, lead)
+    later, mean, total = ahead_of(body, lead), sea.mean_drift == 1, NO_WAVES
     for g in range(waves.offsets.shape[0]):
         direction = sea.wave_to + waves.offsets[g]
         at = encounter(body, direction, surge, response)
         then = encounter(later, direction, surge, response)
-        for k in range(waves.groups[g], waves.groups[g + 1]):
-            one = of_wave(k, time, lead, components, phase, response, at, then)
-            for j in range(N_SUMS):
-                work[j, k] = one[j]
-    if sea.mean_drift == 1:
-        constant_part(work, phase.shape[0])
-    total = Sums(
-        lane_sum(work[0]), lane_sum(work[1]), lane_sum(work[2]), lane_sum(work[3]),
-        lane_sum(work[4]), lane_sum(work[5]), lane_sum(work[6]), lane_sum(work[7]),
-        lane_sum(work[8]), lane_sum(work[9]), lane_sum(work[10]), lane_sum(work[11]),
-        lane_sum(work[12]),
-    )  # fmt: skip
-    return of_sums(total, sea, max(0.0, u / sea.speed_max - 1.0), lead)
+        last = waves.groups[g + 1]
+        for a in range(waves.groups[g], last, N_TOGETHER):
+            b = min(a + N_TOGETHER, last)
+            total = summed(
+                total, np.uint64(a), np.uint64(b - a), time, lead, components, phase, response, at,
+                then, mean, work,
+            )  # fmt: skip
+    if mean:
+        return of_sums(total, 1.0, 0.0, sea, max(0.0, u / sea.speed_max - 1.0), lead)
+    return of_sums(total, total.Q, total.Q_, sea, max(0.0, u / sea.speed_max - 1.0), lead)
 
 
 @kernel
@@ -290,18 +317,17 @@ def constant_part(work, count):
         c, s = work[6, k], work[7, k]
         for j in range(0, 6, 2):
             work[j, k], work[j + 1, k] = work[j, k] * c + work[j + 1, k] * s, 0.0
-        work[6, k], work[7, k] = 1.0 / count, 0.0
 
 
 @kernel
-def of_sums(total, sea, extrapolation, lead):
+def of_sums(total, Q, Q_, sea, extrapolation, lead):
     """`WaveState` of the sums over all waves; `sea` says how high the waves are."""
     t, height = total, sea.wave_share
     force = sea.drift * height * height
     return WaveState(
-        X=force * (t.X * t.Q + t.X_ * t.Q_),
-        Y=force * (t.Y * t.Q + t.Y_ * t.Q_),
-        N=force * (t.N * t.Q + t.N_ * t.Q_),
+        X=force * (t.X * Q + t.X_ * Q_),
+        Y=force * (t.Y * Q + t.Y_ * Q_),
+        N=force * (t.N * Q + t.N_ * Q_),
         sway=height * t.sway,
         sway_velocity=height * t.sway_velocity,
         roll=height * t.roll,
@@ -310,23 +336,3 @@ def of_sums(total, sea, extrapolation, lead):
         extrapolation=extrapolation,
         lead=lead,
     )
-
-
-_of_thread = threading.local()
-
-
-def scratch_for(n_waves: int) -> tuple[np.ndarray, np.ndarray]:
-    """Scratch of the calling thread, for a number of waves.
-
-    Returns
-    -------
-    scratch : structured ndarray (1,)
-        ``physics.scratch.SCRATCH``.
-    work : ndarray (N_SUMS, a multiple of 8)
-        Of `wave_loads`.
-    """
-    kept = _of_thread.__dict__.setdefault("arrays", {})
-    if n_waves not in kept:
-        length = max(-(-n_waves // LANES_OF_SUM), 1) * LANES_OF_SUM
-        kept[n_waves] = np.zeros(1, SCRATCH), np.zeros((N_SUMS, length))
-    return kept[n_waves]

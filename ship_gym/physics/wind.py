@@ -32,7 +32,7 @@ def gust_factor(time, scale, gusts, phases, work):
     """
     for k in range(phases.shape[0]):
         work[k] = gusts[0, k] * cos_sin_of_turns(gusts[1, k] * time * _PER_TURN + phases[k])[0]
-    return 1.0 + scale * lane_sum(work)
+    return 1.0 + scale * lane_sum(work, work.shape[0])
 
 
 @kernel
