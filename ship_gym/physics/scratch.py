@@ -13,10 +13,9 @@ import numpy as np
 from ship_gym.physics.parameters import N_PARAMETERS
 
 LANES = 64
-N_TOGETHER = 64  # waves whose sums are formed at once
+N_TOGETHER = 16  # waves side by side in a sum
 N_SUMS = 13  # waves.Sums
 N_GUSTS = 20
-_GUSTS = -(-N_GUSTS // 8) * 8  # as `waves.lane_sum` needs it; zero at the end
 
 _FIELDS = [
     ("ship", (N_PARAMETERS, LANES)),  # parameters.ship_at
@@ -32,7 +31,7 @@ _FIELDS = [
     ("own", (9, LANES)),  # OwnForces at the last asked place
     ("units", (10, LANES)),  # Units there
     ("dt", (LANES,)),  # integration step [s]
-    ("gust", (_GUSTS,)),
+    ("gust", (N_TOGETHER,)),
     ("wave", (N_SUMS, N_TOGETHER)),  # waves.summed
 ]
 SCRATCH = np.dtype(

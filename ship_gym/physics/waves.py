@@ -30,7 +30,6 @@ from ship_gym.physics.scratch import N_SUMS, N_TOGETHER
 AMPLITUDE, OMEGA, NUMBER, PHASE, DIRECTION = range(5)
 # Channels of a response: drift X, Y, N, and real and imaginary part of sway, roll and yaw
 DRIFT_X, DRIFT_Y, DRIFT_N, SWAY, SWAY_, ROLL, ROLL_, YAW, YAW_ = range(9)
-LANES_OF_SUM = 8
 
 
 class Waves(NamedTuple):
@@ -176,7 +175,7 @@ def mixed(response, at, channel, k):
 
 
 @kernel
-def of_wave(k, time, lead, components, phase, response, now, later):
+def of_wave(k, time, lead, components, phase, response, now, later, mean):
     """`Sums` of wave k alone, of a sea of unit height.
 
     A wave of amplitude a has the phase theta = omega t - k_w place + phase at the ship, and the
@@ -189,15 +188,18 @@ def of_wave(k, time, lead, components, phase, response, now, later):
     components : ndarray (3, N)
     phase : ndarray (N,)
     now, later : Encounter
+    mean : bool
+        Only the constant part of the drift, a^2 T, for Q = 1.
     """
     a, omega, number = components[AMPLITUDE, k], components[OMEGA, k], components[NUMBER, k]
     turns = (omega * (time + lead) - number * later.along) * _PER_TURN + phase[k]
     c, s = cos_sin_of_turns(turns)
     c, s = a * c, a * s
+    p, p_ = (a * a, 0.0) if mean else (c, s)
     X = mixed(response, later, DRIFT_X, k)
     Y = later.side * mixed(response, later, DRIFT_Y, k)
     N = later.side * mixed(response, later, DRIFT_N, k)
-    drift = (X * c, X * s, Y * c, Y * s, N * c, N * s, c, s)
+    drift = (X * p, X * p_, Y * p, Y * p_, N * p, N * p_, c, s)
     c, s = cos_sin_of_turns((omega * time - number * now.along) * _PER_TURN + phase[k])
     c, s = now.side * a * c, now.side * a * s
     omega_e = omega - number * now.speed
@@ -213,44 +215,29 @@ def of_wave(k, time, lead, components, phase, response, now, later):
 
 
 @kernel
-def lane_sum(row, count):
-    """Sum of the first `count` numbers of a row, a multiple of 8: eight sums side by side."""
-    a = b = c = d = e = f = g = h = 0.0
-    for k in range(0, count, LANES_OF_SUM):
-        a, b, c, d = a + row[k], b + row[k + 1], c + row[k + 2], d + row[k + 3]
-        e, f, g, h = e + row[k + 4], f + row[k + 5], g + row[k + 6], h + row[k + 7]
-    return ((a + e) + (c + g)) + ((b + f) + (d + h))
+def lane_sum(row):
+    """Sum of a row of `N_TOGETHER` lanes, by halves."""
+    half = N_TOGETHER // 2
+    while half > 0:
+        for k in range(half):
+            row[k] += row[k + half]
+        half //= 2
+    return row[0]
 
 
 @kernel
 def summed(
-    total, first, count, time, lead, components, phase, response, now, later, mean, work
+    first, count, time, lead, components, phase, response, now, later, mean, lanes
 ):  # fmt: skip
-    """`total` and what some waves of one direction add to it, at most 64 of them.
+    """Add what some waves of one direction bring, at most `N_TOGETHER`, to the sums in `lanes`.
 
     `first` and `count` are unsigned, for which no index from the end is looked for in the loop;
-    else as in `of_wave`. With `mean` only the constant part of the drift.
+    else as in `of_wave`.
     """
     for k in range(count):
-        one = of_wave(first + k, time, lead, components, phase, response, now, later)
+        one = of_wave(first + k, time, lead, components, phase, response, now, later, mean)
         for j in range(N_SUMS):
-            work[j, k] = one[j]
-    if mean:
-        constant_part(work, count)
-    full = -(-np.int64(count) // LANES_OF_SUM) * LANES_OF_SUM
-    for k in range(np.int64(count), full):
-        for j in range(N_SUMS):
-            work[j, k] = 0.0
-    t = total
-    return Sums(
-        t.X + lane_sum(work[0], full), t.X_ + lane_sum(work[1], full),
-        t.Y + lane_sum(work[2], full), t.Y_ + lane_sum(work[3], full),
-        t.N + lane_sum(work[4], full), t.N_ + lane_sum(work[5], full),
-        t.Q + lane_sum(work[6], full), t.Q_ + lane_sum(work[7], full),
-        t.sway + lane_sum(work[8], full), t.sway_velocity + lane_sum(work[9], full),
-        t.roll + lane_sum(work[10], full), t.yaw + lane_sum(work[11], full),
-        t.yaw_rate + lane_sum(work[12], full),
-    )  # fmt: skip
+            lanes[j, k] += one[j]
 
 
 @kernel
@@ -264,7 +251,7 @@ def ahead_of(body, time):
 
 
 @kernel
-def wave_loads(time, lead, body, sea, waves, ship, work):
+def wave_loads(time, lead, body, sea, waves, ship, lanes):
     """Drift on one ship and its wave-frequency motion.
 
     Newman's approximation with the arithmetic mean of the two drift coefficients, which factorises:
@@ -281,7 +268,7 @@ def wave_loads(time, lead, body, sea, waves, ship, work):
     waves : Waves
     ship : int
         Row of her phases.
-    work : ndarray (N_SUMS, N_TOGETHER)
+    lanes : ndarray (N_SUMS, N_TOGETHER)
         Scratch.
 
     Returns
@@ -293,36 +280,35 @@ def wave_loads(time, lead, body, sea, waves, ship, work):
     u_c, _ = water_velocity(body.psi, sea)
     u = body.u - u_c
     surge = cell(min(u, sea.speed_max), 0.0, sea.speed_step, response.shape[0])
-    later, mean, total = ahead_of(body, lead), sea.mean_drift == 1, NO_WAVES
+    later = ahead_of(body, lead)
+    for j in range(N_SUMS):
+        for k in range(N_TOGETHER):
+            lanes[j, k] = 0.0
     for g in range(waves.offsets.shape[0]):
         direction = sea.wave_to + waves.offsets[g]
         at = encounter(body, direction, surge, response)
         then = encounter(later, direction, surge, response)
         last = waves.groups[g + 1]
         for a in range(waves.groups[g], last, N_TOGETHER):
-            b = min(a + N_TOGETHER, last)
-            total = summed(
-                total, np.uint64(a), np.uint64(b - a), time, lead, components, phase, response, at,
-                then, mean, work,
+            count = min(N_TOGETHER, last - a)
+            summed(
+                np.uint64(a), np.uint64(count), time, lead, components, phase, response, at, then,
+                sea.mean_drift == 1, lanes,
             )  # fmt: skip
-    if mean:
-        return of_sums(total, 1.0, 0.0, sea, max(0.0, u / sea.speed_max - 1.0), lead)
-    return of_sums(total, total.Q, total.Q_, sea, max(0.0, u / sea.speed_max - 1.0), lead)
+    total = Sums(
+        lane_sum(lanes[0]), lane_sum(lanes[1]), lane_sum(lanes[2]), lane_sum(lanes[3]),
+        lane_sum(lanes[4]), lane_sum(lanes[5]), lane_sum(lanes[6]), lane_sum(lanes[7]),
+        lane_sum(lanes[8]), lane_sum(lanes[9]), lane_sum(lanes[10]), lane_sum(lanes[11]),
+        lane_sum(lanes[12]),
+    )  # fmt: skip
+    return of_sums(total, sea, max(0.0, u / sea.speed_max - 1.0), lead)
 
 
 @kernel
-def constant_part(work, count):
-    """Leave of the drift's sums what does not vary: a^2 T of each wave."""
-    for k in range(count):
-        c, s = work[6, k], work[7, k]
-        for j in range(0, 6, 2):
-            work[j, k], work[j + 1, k] = work[j, k] * c + work[j + 1, k] * s, 0.0
-
-
-@kernel
-def of_sums(total, Q, Q_, sea, extrapolation, lead):
+def of_sums(total, sea, extrapolation, lead):
     """`WaveState` of the sums over all waves; `sea` says how high the waves are."""
     t, height = total, sea.wave_share
+    Q, Q_ = (1.0, 0.0) if sea.mean_drift == 1 else (t.Q, t.Q_)
     force = sea.drift * height * height
     return WaveState(
         X=force * (t.X * Q + t.X_ * Q_),

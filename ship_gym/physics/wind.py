@@ -9,6 +9,7 @@ from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import arctan2, cos_sin, cos_sin_of_turns
 from ship_gym.physics.interpolate import cell, linear
 from ship_gym.physics.quantities import Force
+from ship_gym.physics.scratch import N_TOGETHER
 from ship_gym.physics.waves import lane_sum
 
 _TURN = 2.0 * math.pi
@@ -16,7 +17,7 @@ _PER_TURN = 1.0 / _TURN
 
 
 @kernel
-def gust_factor(time, scale, gusts, phases, work):
+def gust_factor(time, scale, gusts, phases, lanes):
     """Wind speed over its mean, 1 + scale sum share cos(omega t + phase).
 
     Parameters
@@ -27,12 +28,16 @@ def gust_factor(time, scale, gusts, phases, work):
         Share of each harmonic and its frequency [rad/s].
     phases : ndarray (K,)
         Fractions of a turn.
-    work : ndarray
-        Scratch, a multiple of 8 and at least K long; zero beyond K.
+    lanes : ndarray (N_TOGETHER,)
+        Scratch.
     """
-    for k in range(phases.shape[0]):
-        work[k] = gusts[0, k] * cos_sin_of_turns(gusts[1, k] * time * _PER_TURN + phases[k])[0]
-    return 1.0 + scale * lane_sum(work, work.shape[0])
+    for k in range(N_TOGETHER):
+        lanes[k] = 0.0
+    for first in range(0, phases.shape[0], N_TOGETHER):
+        for k in range(min(N_TOGETHER, phases.shape[0] - first)):
+            turns = gusts[1, first + k] * time * _PER_TURN + phases[first + k]
+            lanes[k] += gusts[0, first + k] * cos_sin_of_turns(turns)[0]
+    return 1.0 + scale * lane_sum(lanes)
 
 
 @kernel
