@@ -15,9 +15,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numba
-from numba.core.cpu import CPUTargetOptions
 
 from ship_gym.physics._cache import cache_folder
+from ship_gym.physics._compiler import LOOP, PART, keep_part
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _KERNEL_SOURCES = ("conventions.py", "physics/*.py", "tracks/*.py", "tasks/**/*.py")
@@ -63,24 +63,16 @@ def _own_cache(kind: str, function: Callable) -> Iterator[None]:
         numba.config.CACHE_DIR = before
 
 
-with contextlib.suppress(Exception):  # flags that numba has, but no door to them
-    CPUTargetOptions.noalias = CPUTargetOptions.Mapping("noalias")
-    CPUTargetOptions.no_compile = CPUTargetOptions.Mapping("no_compile")
-_NOALIAS = {"noalias": True} if hasattr(CPUTargetOptions, "noalias") else {}
-_PART = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-_PART |= {"no_compile": True} if hasattr(CPUTargetOptions, "no_compile") else {}
 # No fastmath: same bits everywhere. Without _nrt no references of arrays are counted, which was
 # 40 % of a step; such a kernel can neither make nor return an array.
-_SCALAR = {"error_model": "numpy", "_nrt": False}
-_LOOP = {"error_model": "numpy", "_nrt": False, "nogil": True}
+_PLAIN = {"error_model": "numpy", "_nrt": False}
 
 
 class Kernel:
-    """A scalar function of one ship at one instant: inlined into loops, and callable from Python.
+    """A function of one ship at one instant: a part of loops, and callable from Python.
 
-    To numba it is a function that only other kernels call, without the two entry points from
-    Python and C and without machine code of its own: those would be half of the time to compile.
-    A call from Python compiles (and keeps) a version by itself.
+    To numba it is a part (``_compiler``); a call from Python compiles, and keeps, a version of it
+    by itself.
     """
 
     def __init__(self, function):
@@ -96,41 +88,30 @@ class Kernel:
     def alone(self):
         """Compiled to be called from Python."""
         with _own_cache("serial", self.py_func):
-            return numba.njit(self.py_func, cache=True, **_SCALAR)
+            return numba.njit(self.py_func, cache=True, **_PLAIN)
 
     def __call__(self, *args):
         return self.alone(*args)
 
 
 def kernel(function):
-    """Compile a scalar function of one ship at one instant, to be inlined into a loop over ships."""
-    if numba.config.DISABLE_JIT:
-        return function
-    return Kernel(function)
+    """Compile a function of one ship at one instant, to be inlined into a loop over ships."""
+    return function if numba.config.DISABLE_JIT else Kernel(function)
 
 
 def inlined(function):
-    """As `kernel`, of a function without a source file: compiled with whoever calls it."""
-    return _part(function)
+    """As `kernel`, of a function without a source file, which is not called from Python."""
+    return function if numba.config.DISABLE_JIT else _part(function)
 
 
 def _part(function):
-    part = numba.njit(function, forceinline=True, **_SCALAR, **_PART)
-    if not numba.config.DISABLE_JIT:
-        part.add_overload = functools.partial(_keep, part)
-    return part
-
-
-def _keep(part, made):
-    key = object()
-    part.targetctx.insert_user_function(key, made.fndesc, [made.library])
-    part.overloads[tuple(made.signature.args)] = made._replace(entry_point=key)
+    return keep_part(numba.njit(function, forceinline=True, **_PLAIN, **PART))
 
 
 def loop(function):
-    """Compile a loop over ships; its array arguments must not overlap. It lets other threads run."""
+    """Compile a loop over ships; its array arguments must not overlap. Other threads may run."""
     with _own_cache("serial", function):
-        return numba.njit(function, cache=True, **_LOOP, **_NOALIAS)
+        return numba.njit(function, cache=True, nogil=True, **_PLAIN, **LOOP)
 
 
 def batch(function):

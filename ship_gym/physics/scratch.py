@@ -13,8 +13,8 @@ import numpy as np
 from ship_gym.physics.parameters import N_PARAMETERS
 
 LANES = 64
-N_TOGETHER = 16  # waves side by side in a sum
-N_SUMS = 13  # waves.Sums
+N_TOGETHER = 64  # waves side by side in a sum
+N_SUMS = 21  # waves.Sums
 N_GUSTS = 20
 
 _FIELDS = [

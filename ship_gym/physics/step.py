@@ -32,7 +32,7 @@ from ship_gym.physics.integrate import (
 from ship_gym.physics.parameters import N_PARAMETERS, of_lane, ship_at
 from ship_gym.physics.quantities import Body, Controls, Force, Motion, Tables
 from ship_gym.physics.scratch import LANES
-from ship_gym.physics.waves import WAVE_LEAD, WAVE_N, WAVE_X, WAVE_Y, Waves, ahead_of, wave_loads
+from ship_gym.physics.waves import WAVE_AHEAD, WAVE_N, WAVE_X, WAVE_Y, Waves, wave_loads
 from ship_gym.physics.wind import gust_factor, wind_forces
 
 
@@ -107,7 +107,7 @@ if (*OwnForces._fields, *HeldLoads._fields) != FORCE_COMPONENTS:
 
 
 @kernel
-def held_loads(time, dt, body, water, ship, met, work):
+def held_loads(time, dt, body, water, ship, met, lanes):
     """What is held during an integration step, as it is at its middle.
 
     Parameters
@@ -120,8 +120,8 @@ def held_loads(time, dt, body, water, ship, met, work):
     ship : int
         Row of the ship.
     met : ndarray (10,)
-        What waves do to it, the drift that of this step's middle.
-    work : ndarray
+        What waves do to it.
+    lanes : ndarray (N_TOGETHER,)
         Scratch of `wind.gust_factor`.
     """
     sea = water.seas[ship]
@@ -131,8 +131,9 @@ def held_loads(time, dt, body, water, ship, met, work):
     if sea.windy == 1:
         kind, middle = sea.wind_table, time + 0.5 * dt
         phases = water.gust_phases[ship]
-        factor = gust_factor(middle, sea.gust_scale, water.gusts[kind], phases, work)
-        wind = wind_forces(ahead_of(body, 0.5 * dt), factor, sea, water.winds[kind])
+        factor = gust_factor(middle, sea.gust_scale, water.gusts[kind], phases, lanes)
+        psi = body.psi + 0.5 * dt * body.r
+        wind = wind_forces(body.u, body.v, psi, factor, sea, water.winds[kind])
     if sea.disturbed == 1:
         Y, N = disturbance_forces(time + 0.5 * dt, sea.omega_1, water.harmonics[ship])
         disturbance = Force(0.0, Y, N)
@@ -140,11 +141,11 @@ def held_loads(time, dt, body, water, ship, met, work):
 
 
 @kernel
-def see(time, lead, body, water, ship, work, met):
-    """Write what waves do to one ship at a time, the drift `lead` [s] later, into `met`."""
+def see(time, dt, body, water, ship, lanes, met):
+    """Write what waves do to one ship into `met`: motion now, drift during the coming `dt` [s]."""
     sea = water.seas[ship]
     if sea.wavy == 1:
-        found = wave_loads(time, lead, body, sea, water.waves, ship, work)
+        found = wave_loads(time, dt, body, sea, water.waves, ship, lanes)
         for k in range(len(found)):
             met[k] = found[k]
 
@@ -162,9 +163,8 @@ def state_body(states, ship):
 def see_waves(which, course, water, scratch):
     """Refresh `met` of some ships, as after a reset."""
     for ship in which:
-        lead = 0.5 * course.clock[ship, 0]
-        body = state_body(course.states, ship)
-        see(course.times[ship], lead, body, water, ship, scratch[0].wave, course.met[ship])
+        dt, body = course.clock[ship, 0], state_body(course.states, ship)
+        see(course.times[ship], dt, body, water, ship, scratch[0].wave, course.met[ship])
 
 
 @kernel
@@ -197,8 +197,8 @@ def load_lanes(x, lo, hi, first, step, course, water):
         vary_current(time, sea)
         x.current[0, i], x.current[1, i] = sea.V_north, sea.V_east
         body = body_of(x.start, i)
-        if sea.wavy == 1 and met[WAVE_LEAD] != 0.5 * dt:
-            see(time, 0.5 * dt, body, water, ship, x.wave, met)
+        if sea.wavy == 1 and met[WAVE_AHEAD] != dt:  # the interval has changed
+            see(time, dt, body, water, ship, x.wave, met)
         held = held_loads(time, dt, body, water, ship, met, x.gust)
         for k in range(3):
             x.load[k, i] = held.wave[k] + held.wind[k] + held.disturbance[k]
@@ -248,7 +248,7 @@ def look(x, lo, hi, first, step, course, water):
         if step < x.steps[i]:
             ship, dt = first + i, x.dt[i]
             time = course.times[ship] + (step + 1) * dt
-            see(time, 0.5 * dt, body_of(x.start, i), water, ship, x.wave, course.met[ship])
+            see(time, dt, body_of(x.start, i), water, ship, x.wave, course.met[ship])
 
 
 @kernel
@@ -266,11 +266,12 @@ def land(x, lo, hi, first, course):
     return alive
 
 
-# the four stages of classical Runge-Kutta: when controls are asked for, weight of the rates, and
-# how far they lead to the place of the next stage
-WHEN = (START, MIDDLE, MIDDLE, END)
-WEIGHT = (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0)
-REACH = (0.5, 0.5, 1.0, 0.0)
+# The stages of `integrate.ask`, k1 at the start y, k2 at y + dt/2 k1, k3 at y + 2 dt k2 - dt k1 (the
+# sum before it is dt k1 / 6); the step is dt (k1 + 4 k2 + k3) / 6
+WHEN = (START, MIDDLE, END)
+WEIGHT = (1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0)
+REACH = (0.5, 2.0, 0.0)
+BACK = (0.0, -6.0, 0.0)
 
 
 @kernel
@@ -302,7 +303,7 @@ def sail_block(x, lo, hi, first, course, water, tables, traits):
         begin_step(x, lo, hi)
         for stage in range(len(WHEN)):
             set_now(x, lo, hi, WHEN[stage])
-            ask(x, lo, hi, WEIGHT[stage], REACH[stage], tables, traits)
+            ask(x, lo, hi, WEIGHT[stage], REACH[stage], BACK[stage], tables, traits)
             if stage == 0:
                 set_controls(x, lo, hi, traits)
                 if step == 0:

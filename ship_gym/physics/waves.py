@@ -4,11 +4,11 @@ Two time scales (White 2020): the drift, of second order in the wave amplitude, 
 the manoeuvring model; the wave-frequency motion, of first order, is what its sensors see on top of
 that and is never integrated.
 
-The motion is that of now; the drift is that of half an integration step later, where ship and
-waves will be if she goes on as she does: held during the step, it is then right to second order.
+The motion is that of now; the drift is the mean over the coming integration step, during which it
+is held.
 
-For speed, each wave's share in every sum is written to a row of numbers first: that loop has no
-sums and is compiled to vector instructions. The rows are then summed in a fixed order.
+For speed, the waves are summed in 64 lanes: that loop has no order and is compiled to vector
+instructions. The lanes are then summed in a fixed order, so that every processor gets the same bits.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import cos_sin, cos_sin_of_turns, wrapped
 from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.interpolate import cell
-from ship_gym.physics.quantities import Body
 from ship_gym.physics.scratch import N_SUMS, N_TOGETHER
 
 # Rows of the waves of a sea: amplitude [m], frequency [rad/s], wave number [1/m]; of those of one
@@ -58,9 +57,9 @@ class Waves(NamedTuple):
 class WaveState(NamedTuple):
     """What waves do to a ship at one instant.
 
-    Drift X, Y [N], N [N m], half an integration step later; wave-frequency sway [m], its velocity
+    Drift X, Y [N], N [N m], its mean over the coming integration step; wave-frequency sway [m], its velocity
     [m/s], roll, yaw [rad] and yaw rate [rad/s]; how far the ship is faster than its table goes, 0
-    inside; and that half step, `lead` [s].
+    inside; and the length of that step, `ahead` [s].
     """
 
     X: float
@@ -72,32 +71,41 @@ class WaveState(NamedTuple):
     yaw: float
     yaw_rate: float
     extrapolation: float
-    lead: float
+    ahead: float
 
 
 WAVE_NAMES = WaveState._fields
 N_WAVE_STATE = len(WAVE_NAMES)
 WAVE_X, WAVE_Y, WAVE_N = range(3)
 WAVE_SWAY, WAVE_SWAY_VELOCITY, WAVE_ROLL, WAVE_YAW, WAVE_YAW_RATE = range(3, 8)
-WAVE_EXTRAPOLATION, WAVE_LEAD = 8, 9
+WAVE_EXTRAPOLATION, WAVE_AHEAD = 8, 9
 _PER_TURN = 0.5 / math.pi
 
 
 class Sums(NamedTuple):
-    """What is summed over the waves, each `P` and `Q` a complex number.
+    """What is summed over the waves.
 
-    P = sum a T exp(i theta) of each drift coefficient T and Q = sum a exp(i theta), half a step
-    later; then the motions now.
+    Complex numbers at two instants of the coming step (1 and 2; real and imaginary part):
+    P = sum a T exp(i theta) of each drift coefficient T (X, Y, N), and Q = sum a exp(i theta).
+    Then the motions now.
     """
 
-    X: float
-    X_: float
-    Y: float
-    Y_: float
-    N: float
-    N_: float
-    Q: float
-    Q_: float
+    X1: float
+    X1_: float
+    Y1: float
+    Y1_: float
+    N1: float
+    N1_: float
+    Q1: float
+    Q1_: float
+    X2: float
+    X2_: float
+    Y2: float
+    Y2_: float
+    N2: float
+    N2_: float
+    Q2: float
+    Q2_: float
     sway: float
     sway_velocity: float
     roll: float
@@ -105,7 +113,9 @@ class Sums(NamedTuple):
     yaw_rate: float
 
 
-NO_WAVES = Sums(*[0.0] * N_SUMS)
+HALVES = (32, 16, 8)  # of N_TOGETHER, down to eight
+if 2 * HALVES[0] != N_TOGETHER:
+    raise ImportError("waves.HALVES are those of scratch.N_TOGETHER")
 
 
 @kernel
@@ -115,23 +125,26 @@ def relative_heading(psi, direction):
     return (mu, 1.0) if mu >= 0.0 else (-mu, -1.0)
 
 
-class Encounter(NamedTuple):
-    """How one ship meets the waves of one direction.
+class Path(NamedTuple):
+    """Place [m] and velocity over ground [m/s] of a ship in the direction of some waves."""
+
+    along: float
+    speed: float
+
+
+class Corners(NamedTuple):
+    """Where a ship is in its table of responses.
 
     Attributes
     ----------
-    along, speed : float
-        Her place [m] and velocity over ground [m/s] in that direction.
     side : float
         1 or -1, on which the waves come in.
     i, j : int
-        Cell of the response, in speed and heading.
+        Cell in speed and heading.
     a, b, c, d : float
         Weights of its corners (i, j), (i, j + 1), (i + 1, j), (i + 1, j + 1).
     """
 
-    along: float
-    speed: float
     side: float
     i: int
     j: int
@@ -142,92 +155,113 @@ class Encounter(NamedTuple):
 
 
 @kernel
-def encounter(body, direction, surge, response):
-    """`Encounter` of one ship with the waves that go to a direction [rad].
-
-    Parameters
-    ----------
-    body : Body
-    surge : (int, float)
-        Cell of her speed through the water, and the weight of its upper end.
-    response : ndarray (speeds, headings, 9, N)
-    """
-    u, v, _, x, y, psi = body
+def path_along(body, direction):
+    """`Path` of a ship in a direction [rad]."""
     c, s = cos_sin(direction)
-    c_mu, s_mu = cos_sin(psi - direction)
+    c_mu, s_mu = cos_sin(body.psi - direction)
+    return Path(body.x * c + body.y * s, body.u * c_mu - body.v * s_mu)
+
+
+@kernel
+def corners(psi, direction, surge, response):
+    """`Corners` of a ship on a heading in waves that go to a direction, both [rad].
+
+    `surge` is the cell of her speed through the water and the weight of its upper end; `response`
+    has the shape (speeds, headings, 9, N).
+    """
     headings = response.shape[1]
     mu, side = relative_heading(psi, direction)
     j, q = cell(mu, 0.0, math.pi / (headings - 1), headings)
     i, w = surge
     p = 1.0 - w
-    speed = u * c_mu - v * s_mu
-    return Encounter(
-        x * c + y * s, speed, side, i, j, p * (1.0 - q), p * q, w * (1.0 - q), w * q
-    )
+    return Corners(side, i, j, p * (1.0 - q), p * q, w * (1.0 - q), w * q)
+
+
+@kernel
+def mirrored(at):
+    """Corners with weights for what changes sign with the side."""
+    side = at.side
+    return Corners(side, at.i, at.j, side * at.a, side * at.b, side * at.c, side * at.d)
 
 
 @kernel
 def mixed(response, at, channel, k):
-    """A channel of wave k's response between the four corners of an `Encounter`."""
+    """A channel of wave k's response between four `Corners`."""
     i, j = at.i, at.j
     low = at.a * response[i, j, channel, k] + at.b * response[i, j + 1, channel, k]
     return low + at.c * response[i + 1, j, channel, k] + at.d * response[i + 1, j + 1, channel, k]
 
 
 @kernel
-def of_wave(k, time, lead, components, phase, response, now, later, mean):
+def of_wave(k, time, dt, path, components, phase, response, now, later, across, mean):
     """`Sums` of wave k alone, of a sea of unit height.
 
     A wave of amplitude a has the phase theta = omega t - k_w place + phase at the ship, and the
-    frequency omega_e at a place that moves with her.
+    frequency omega_e at a place that moves with her, which turns the phase to that of the coming
+    step's first and third quarter.
 
     Parameters
     ----------
-    time, lead : float
-        Now, and how much later the drift is [s].
+    time, dt : float
+        Now, and the length of the coming step [s].
     components : ndarray (3, N)
     phase : ndarray (N,)
-    now, later : Encounter
+    path : Path
+    now, later, across : Corners
+        For the motions now; at the heading of the middle of the coming step, for the drift in surge
+        and, `mirrored`, in sway and yaw.
     mean : bool
         Only the constant part of the drift, a^2 T, for Q = 1.
     """
     a, omega, number = components[AMPLITUDE, k], components[OMEGA, k], components[NUMBER, k]
-    turns = (omega * (time + lead) - number * later.along) * _PER_TURN + phase[k]
-    c, s = cos_sin_of_turns(turns)
+    omega_e = omega - number * path.speed
+    c, s = cos_sin_of_turns((omega * time - number * path.along) * _PER_TURN + phase[k])
     c, s = a * c, a * s
-    p, p_ = (a * a, 0.0) if mean else (c, s)
-    X = mixed(response, later, DRIFT_X, k)
-    Y = later.side * mixed(response, later, DRIFT_Y, k)
-    N = later.side * mixed(response, later, DRIFT_N, k)
-    drift = (X * p, X * p_, Y * p, Y * p_, N * p, N * p_, c, s)
-    c, s = cos_sin_of_turns((omega * time - number * now.along) * _PER_TURN + phase[k])
-    c, s = now.side * a * c, now.side * a * s
-    omega_e = omega - number * now.speed
     re, im = mixed(response, now, SWAY, k), mixed(response, now, SWAY_, k)
     sway, sway_velocity = re * c - im * s, -omega_e * (re * s + im * c)
     roll = mixed(response, now, ROLL, k) * c - mixed(response, now, ROLL_, k) * s
     re, im = mixed(response, now, YAW, k), mixed(response, now, YAW_, k)
-    X, X_, Y, Y_, N, N_, c_, s_ = drift
+    yaw, yaw_rate = re * c - im * s, -omega_e * (re * s + im * c)
+    c_q, s_q = cos_sin_of_turns(0.25 * dt * _PER_TURN * omega_e)
+    c_h, s_h = c_q * c_q - s_q * s_q, 2.0 * c_q * s_q
+    c1, s1 = c * c_q - s * s_q, s * c_q + c * s_q
+    c2, s2 = c1 * c_h - s1 * s_h, s1 * c_h + c1 * s_h
+    if mean:
+        c1, s1, c2, s2 = a * a, 0.0, a * a, 0.0
+    X, Y = mixed(response, later, DRIFT_X, k), mixed(response, across, DRIFT_Y, k)
+    N = mixed(response, across, DRIFT_N, k)
     return Sums(
-        X, X_, Y, Y_, N, N_, c_, s_,
-        sway, sway_velocity, roll, re * c - im * s, -omega_e * (re * s + im * c),
+        X * c1, X * s1, Y * c1, Y * s1, N * c1, N * s1, c1, s1,
+        X * c2, X * s2, Y * c2, Y * s2, N * c2, N * s2, c2, s2,
+        sway, sway_velocity, roll, yaw, yaw_rate,
     )  # fmt: skip
 
 
 @kernel
 def lane_sum(row):
-    """Sum of a row of `N_TOGETHER` lanes, by halves."""
-    half = N_TOGETHER // 2
-    while half > 0:
+    """Sum of a row of `N_TOGETHER` lanes, by halves; the row is written over."""
+    for half in HALVES:
         for k in range(half):
             row[k] += row[k + half]
-        half //= 2
-    return row[0]
+    return ((row[0] + row[4]) + (row[2] + row[6])) + ((row[1] + row[5]) + (row[3] + row[7]))
 
 
 @kernel
-def summed(
-    first, count, time, lead, components, phase, response, now, later, mean, lanes
+def lane_sums(lanes):
+    """`Sums` of all lanes, which are written over."""
+    return Sums(
+        lane_sum(lanes[0]), lane_sum(lanes[1]), lane_sum(lanes[2]), lane_sum(lanes[3]),
+        lane_sum(lanes[4]), lane_sum(lanes[5]), lane_sum(lanes[6]), lane_sum(lanes[7]),
+        lane_sum(lanes[8]), lane_sum(lanes[9]), lane_sum(lanes[10]), lane_sum(lanes[11]),
+        lane_sum(lanes[12]), lane_sum(lanes[13]), lane_sum(lanes[14]), lane_sum(lanes[15]),
+        lane_sum(lanes[16]), lane_sum(lanes[17]), lane_sum(lanes[18]), lane_sum(lanes[19]),
+        lane_sum(lanes[20]),
+    )  # fmt: skip
+
+
+@kernel
+def sum_waves(
+    first, count, time, dt, path, components, phase, response, now, later, across, mean, lanes
 ):  # fmt: skip
     """Add what some waves of one direction bring, at most `N_TOGETHER`, to the sums in `lanes`.
 
@@ -235,33 +269,29 @@ def summed(
     else as in `of_wave`.
     """
     for k in range(count):
-        one = of_wave(first + k, time, lead, components, phase, response, now, later, mean)
+        one = of_wave(
+            first + k, time, dt, path, components, phase, response, now, later, across, mean
+        )
         for j in range(N_SUMS):
             lanes[j, k] += one[j]
 
 
 @kernel
-def ahead_of(body, time):
-    """Body that has gone on for `time` [s] with its present velocities in body axes."""
-    u, v, r, x, y, psi = body
-    c, s = cos_sin(psi + 0.5 * r * time)
-    return Body(
-        u, v, r, x + time * (u * c - v * s), y + time * (u * s + v * c), psi + time * r
-    )
-
-
-@kernel
-def wave_loads(time, lead, body, sea, waves, ship, lanes):
-    """Drift on one ship and its wave-frequency motion.
+def wave_loads(time, dt, body, sea, waves, ship, lanes):
+    """Drift on one ship in the coming step and its wave-frequency motion now.
 
     Newman's approximation with the arithmetic mean of the two drift coefficients, which factorises:
     F = Re[P Q*], P = sum a T e^(i theta), Q = sum a e^(i theta). One wave alone gives a^2 T. With
     ``sea.mean_drift`` only the constant part, sum a^2 T.
 
+    The drift is the mean of those at a quarter and three quarters of the step, for a ship that goes
+    on as she does: of two such samples a step of 1 s makes no false constant force of the difference
+    frequencies of a seaway, as one would (docs/accuracy.md).
+
     Parameters
     ----------
-    time, lead : float
-        Now, and how much later the drift is [s].
+    time, dt : float
+        Now, and the length of the coming step [s].
     body : Body
     sea : record
         Current, kind and height of the waves and where they go to.
@@ -280,45 +310,42 @@ def wave_loads(time, lead, body, sea, waves, ship, lanes):
     u_c, _ = water_velocity(body.psi, sea)
     u = body.u - u_c
     surge = cell(min(u, sea.speed_max), 0.0, sea.speed_step, response.shape[0])
-    later = ahead_of(body, lead)
+    psi = body.psi + 0.5 * dt * body.r
     for j in range(N_SUMS):
         for k in range(N_TOGETHER):
             lanes[j, k] = 0.0
     for g in range(waves.offsets.shape[0]):
         direction = sea.wave_to + waves.offsets[g]
-        at = encounter(body, direction, surge, response)
-        then = encounter(later, direction, surge, response)
+        path = path_along(body, direction)
+        now = mirrored(corners(body.psi, direction, surge, response))
+        later = corners(psi, direction, surge, response)
         last = waves.groups[g + 1]
         for a in range(waves.groups[g], last, N_TOGETHER):
             count = min(N_TOGETHER, last - a)
-            summed(
-                np.uint64(a), np.uint64(count), time, lead, components, phase, response, at, then,
-                sea.mean_drift == 1, lanes,
+            sum_waves(
+                np.uint64(a), np.uint64(count), time, dt, path, components, phase, response, now,
+                later, mirrored(later), sea.mean_drift == 1, lanes,
             )  # fmt: skip
-    total = Sums(
-        lane_sum(lanes[0]), lane_sum(lanes[1]), lane_sum(lanes[2]), lane_sum(lanes[3]),
-        lane_sum(lanes[4]), lane_sum(lanes[5]), lane_sum(lanes[6]), lane_sum(lanes[7]),
-        lane_sum(lanes[8]), lane_sum(lanes[9]), lane_sum(lanes[10]), lane_sum(lanes[11]),
-        lane_sum(lanes[12]),
-    )  # fmt: skip
-    return of_sums(total, sea, max(0.0, u / sea.speed_max - 1.0), lead)
+    return of_sums(lane_sums(lanes), sea, max(0.0, u / sea.speed_max - 1.0), dt)
 
 
 @kernel
-def of_sums(total, sea, extrapolation, lead):
+def of_sums(total, sea, extrapolation, dt):
     """`WaveState` of the sums over all waves; `sea` says how high the waves are."""
     t, height = total, sea.wave_share
-    Q, Q_ = (1.0, 0.0) if sea.mean_drift == 1 else (t.Q, t.Q_)
-    force = sea.drift * height * height
+    Q1, Q1_, Q2, Q2_ = t.Q1, t.Q1_, t.Q2, t.Q2_
+    if sea.mean_drift == 1:
+        Q1, Q1_, Q2, Q2_ = 1.0, 0.0, 1.0, 0.0
+    force = 0.5 * sea.drift * height * height
     return WaveState(
-        X=force * (t.X * Q + t.X_ * Q_),
-        Y=force * (t.Y * Q + t.Y_ * Q_),
-        N=force * (t.N * Q + t.N_ * Q_),
+        X=force * (t.X1 * Q1 + t.X1_ * Q1_ + t.X2 * Q2 + t.X2_ * Q2_),
+        Y=force * (t.Y1 * Q1 + t.Y1_ * Q1_ + t.Y2 * Q2 + t.Y2_ * Q2_),
+        N=force * (t.N1 * Q1 + t.N1_ * Q1_ + t.N2 * Q2 + t.N2_ * Q2_),
         sway=height * t.sway,
         sway_velocity=height * t.sway_velocity,
         roll=height * t.roll,
         yaw=height * t.yaw,
         yaw_rate=height * t.yaw_rate,
         extrapolation=extrapolation,
-        lead=lead,
+        ahead=dt,
     )

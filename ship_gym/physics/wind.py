@@ -41,14 +41,15 @@ def gust_factor(time, scale, gusts, phases, lanes):
 
 
 @kernel
-def wind_forces(body, factor, sea, table):
+def wind_forces(u, v, psi, factor, sea, table):
     """Force X, Y [N] and moment N [N m] of the wind relative to the ship.
 
     gamma_w = atan2(v - v_wind, u - u_wind): 0 is a head wind, 90 deg from starboard.
 
     Parameters
     ----------
-    body : Body
+    u, v, psi : float
+        Velocities over ground [m/s] and heading [rad].
     factor : float
         Wind speed over its mean.
     sea : record
@@ -56,7 +57,6 @@ def wind_forces(body, factor, sea, table):
     table : ndarray (count, 3)
         CX, CY, CN over gamma_w from 0 to 2 pi.
     """
-    u, v, _, _, _, psi = body
     north, east = sea.wind_north * factor, sea.wind_east * factor
     c, s = cos_sin(psi)
     du, dv = u - (north * c + east * s), v - (east * c - north * s)
