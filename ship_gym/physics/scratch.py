@@ -13,7 +13,7 @@ import numpy as np
 from ship_gym.physics.parameters import N_PARAMETERS
 
 LANES = 64
-N_TOGETHER = 64  # waves side by side in a sum
+EIGHT, NONE = np.uint64(8), np.uint64(0)  # waves side by side in a sum; see waves.sum_waves
 N_SUMS = 21  # waves.Sums
 N_GUSTS = 20
 
@@ -31,8 +31,8 @@ _FIELDS = [
     ("own", (9, LANES)),  # OwnForces at the last asked place
     ("units", (10, LANES)),  # Units there
     ("dt", (LANES,)),  # integration step [s]
-    ("gust", (N_TOGETHER,)),
-    ("wave", (N_SUMS, N_TOGETHER)),  # waves.summed
+    ("gust", (int(EIGHT),)),
+    ("wave", (N_SUMS, int(EIGHT))),  # waves.sum_waves
 ]
 SCRATCH = np.dtype(
     (
@@ -45,11 +45,23 @@ SCRATCH = np.dtype(
     )
 )
 
+LINE = 64  # bytes of a cache line; a vector that lies across two is read twice
+
+
+def in_lines(values: np.ndarray) -> np.ndarray:
+    """Copy of an array that begins with a cache line."""
+    room = np.empty(values.nbytes + LINE, np.uint8)
+    first = -room.ctypes.data % LINE
+    found = room[first : first + values.nbytes].view(values.dtype).reshape(values.shape)
+    found[...] = values
+    return found
+
+
 _of_thread = threading.local()
 
 
 def own_scratch() -> np.ndarray:
     """Scratch of the calling thread, shape (1,)."""
     if not hasattr(_of_thread, "scratch"):
-        _of_thread.scratch = np.zeros(1, SCRATCH)
+        _of_thread.scratch = in_lines(np.zeros(1, SCRATCH))
     return _of_thread.scratch

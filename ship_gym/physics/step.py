@@ -107,7 +107,7 @@ if (*OwnForces._fields, *HeldLoads._fields) != FORCE_COMPONENTS:
 
 
 @kernel
-def held_loads(time, dt, body, water, ship, met, lanes):
+def held_loads(time, dt, body, water, ship, met, x):
     """What is held during an integration step, as it is at its middle.
 
     Parameters
@@ -121,8 +121,8 @@ def held_loads(time, dt, body, water, ship, met, lanes):
         Row of the ship.
     met : ndarray (10,)
         What waves do to it.
-    lanes : ndarray (N_TOGETHER,)
-        Scratch of `wind.gust_factor`.
+    x : record
+        Scratch.
     """
     sea = water.seas[ship]
     wave, wind, disturbance = NOTHING, NOTHING, NOTHING
@@ -131,7 +131,7 @@ def held_loads(time, dt, body, water, ship, met, lanes):
     if sea.windy == 1:
         kind, middle = sea.wind_table, time + 0.5 * dt
         phases = water.gust_phases[ship]
-        factor = gust_factor(middle, sea.gust_scale, water.gusts[kind], phases, lanes)
+        factor = gust_factor(middle, sea.gust_scale, water.gusts[kind], phases, x.gust)
         psi = body.psi + 0.5 * dt * body.r
         wind = wind_forces(body.u, body.v, psi, factor, sea, water.winds[kind])
     if sea.disturbed == 1:
@@ -141,11 +141,11 @@ def held_loads(time, dt, body, water, ship, met, lanes):
 
 
 @kernel
-def see(time, dt, body, water, ship, lanes, met):
+def see(time, dt, body, water, ship, x, met):
     """Write what waves do to one ship into `met`: motion now, drift during the coming `dt` [s]."""
     sea = water.seas[ship]
     if sea.wavy == 1:
-        found = wave_loads(time, dt, body, sea, water.waves, ship, lanes)
+        found = wave_loads(time, dt, body, sea, water.waves, ship, x.wave)
         for k in range(len(found)):
             met[k] = found[k]
 
@@ -164,7 +164,7 @@ def see_waves(which, course, water, scratch):
     """Refresh `met` of some ships, as after a reset."""
     for ship in which:
         dt, body = course.clock[ship, 0], state_body(course.states, ship)
-        see(course.times[ship], dt, body, water, ship, scratch[0].wave, course.met[ship])
+        see(course.times[ship], dt, body, water, ship, scratch[0], course.met[ship])
 
 
 @kernel
@@ -198,8 +198,8 @@ def load_lanes(x, lo, hi, first, step, course, water):
         x.current[0, i], x.current[1, i] = sea.V_north, sea.V_east
         body = body_of(x.start, i)
         if sea.wavy == 1 and met[WAVE_AHEAD] != dt:  # the interval has changed
-            see(time, dt, body, water, ship, x.wave, met)
-        held = held_loads(time, dt, body, water, ship, met, x.gust)
+            see(time, dt, body, water, ship, x, met)
+        held = held_loads(time, dt, body, water, ship, met, x)
         for k in range(3):
             x.load[k, i] = held.wave[k] + held.wind[k] + held.disturbance[k]
         if step == 0:
@@ -248,7 +248,7 @@ def look(x, lo, hi, first, step, course, water):
         if step < x.steps[i]:
             ship, dt = first + i, x.dt[i]
             time = course.times[ship] + (step + 1) * dt
-            see(time, dt, body_of(x.start, i), water, ship, x.wave, course.met[ship])
+            see(time, dt, body_of(x.start, i), water, ship, x, course.met[ship])
 
 
 @kernel

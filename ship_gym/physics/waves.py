@@ -7,8 +7,8 @@ that and is never integrated.
 The motion is that of now; the drift is the mean over the coming integration step, during which it
 is held.
 
-For speed, the waves are summed in 64 lanes: that loop has no order and is compiled to vector
-instructions. The lanes are then summed in a fixed order, so that every processor gets the same bits.
+For speed, eight sums are formed side by side, which is compiled to vector instructions; those eight
+are added in a fixed order, so that every processor gets the same bits.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import cos_sin, cos_sin_of_turns, wrapped
 from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.interpolate import cell
-from ship_gym.physics.scratch import N_SUMS, N_TOGETHER
+from ship_gym.physics.scratch import EIGHT, N_SUMS
 
 # Rows of the waves of a sea: amplitude [m], frequency [rad/s], wave number [1/m]; of those of one
 # ship (`waves_of`) further the phase [turns] and the direction they go to [rad].
@@ -37,8 +37,9 @@ class Waves(NamedTuple):
     Attributes
     ----------
     components : ndarray (kinds, 3, N)
-        Amplitude, frequency and wave number of the waves of each sea, sorted by direction.
-    offsets, groups : ndarray (G,), ndarray of int (G + 1,)
+        Amplitude, frequency and wave number of the waves of each sea, sorted by direction; those of
+        one direction filled up with waves of no height to a multiple of 8.
+    offsets, groups : ndarray (G,), ndarray of np.uint64 (G + 1,)
         Directions relative to the sea's main one [rad]; first wave of each, and N.
     response : ndarray (kinds, speeds, headings, 9, N)
         Of the ship in that sea. Headings from 0 to pi; sway, roll, yaw and their drift change sign
@@ -113,9 +114,6 @@ class Sums(NamedTuple):
     yaw_rate: float
 
 
-HALVES = (32, 16, 8)  # of N_TOGETHER, down to eight
-if 2 * HALVES[0] != N_TOGETHER:
-    raise ImportError("waves.HALVES are those of scratch.N_TOGETHER")
 
 
 @kernel
@@ -238,42 +236,76 @@ def of_wave(k, time, dt, path, components, phase, response, now, later, across, 
 
 
 @kernel
-def lane_sum(row):
-    """Sum of a row of `N_TOGETHER` lanes, by halves; the row is written over."""
-    for half in HALVES:
-        for k in range(half):
-            row[k] += row[k + half]
-    return ((row[0] + row[4]) + (row[2] + row[6])) + ((row[1] + row[5]) + (row[3] + row[7]))
+def lane_sum(lanes):
+    """Sum of the eight lanes of a row, by halves."""
+    low = (lanes[0] + lanes[4]) + (lanes[2] + lanes[6])
+    return low + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
 
 
 @kernel
 def lane_sums(lanes):
-    """`Sums` of all lanes, which are written over."""
+    """`Sums` of all lanes, shape (N_SUMS, EIGHT)."""
     return Sums(
-        lane_sum(lanes[0]), lane_sum(lanes[1]), lane_sum(lanes[2]), lane_sum(lanes[3]),
-        lane_sum(lanes[4]), lane_sum(lanes[5]), lane_sum(lanes[6]), lane_sum(lanes[7]),
-        lane_sum(lanes[8]), lane_sum(lanes[9]), lane_sum(lanes[10]), lane_sum(lanes[11]),
-        lane_sum(lanes[12]), lane_sum(lanes[13]), lane_sum(lanes[14]), lane_sum(lanes[15]),
-        lane_sum(lanes[16]), lane_sum(lanes[17]), lane_sum(lanes[18]), lane_sum(lanes[19]),
+        lane_sum(lanes[0]),
+        lane_sum(lanes[1]),
+        lane_sum(lanes[2]),
+        lane_sum(lanes[3]),
+        lane_sum(lanes[4]),
+        lane_sum(lanes[5]),
+        lane_sum(lanes[6]),
+        lane_sum(lanes[7]),
+        lane_sum(lanes[8]),
+        lane_sum(lanes[9]),
+        lane_sum(lanes[10]),
+        lane_sum(lanes[11]),
+        lane_sum(lanes[12]),
+        lane_sum(lanes[13]),
+        lane_sum(lanes[14]),
+        lane_sum(lanes[15]),
+        lane_sum(lanes[16]),
+        lane_sum(lanes[17]),
+        lane_sum(lanes[18]),
+        lane_sum(lanes[19]),
         lane_sum(lanes[20]),
-    )  # fmt: skip
+    )
 
 
 @kernel
 def sum_waves(
-    first, count, time, dt, path, components, phase, response, now, later, across, mean, lanes
+    first, last, time, dt, path, components, phase, response, now, later, across, mean, lanes
 ):  # fmt: skip
-    """Add what some waves of one direction bring, at most `N_TOGETHER`, to the sums in `lanes`.
+    """Add what the waves of one direction bring to the sums in `lanes`, eight side by side.
 
-    `first` and `count` are unsigned, for which no index from the end is looked for in the loop;
-    else as in `of_wave`.
+    `first` and `last` are multiples of 8; what is left out is as in `of_wave`. All indices are
+    unsigned: for others numba looks whether they count from the end, in every wave.
     """
-    for k in range(count):
-        one = of_wave(
-            first + k, time, dt, path, components, phase, response, now, later, across, mean
-        )
-        for j in range(N_SUMS):
-            lanes[j, k] += one[j]
+    for begin in range(first, last, EIGHT):
+        for k in range(EIGHT):
+            one = of_wave(
+                begin + k, time, dt, path, components, phase, response, now, later, across, mean
+            )
+            # line by line: an index into a tuple is a switch, which cannot be vectorised
+            lanes[0, k] += one.X1
+            lanes[1, k] += one.X1_
+            lanes[2, k] += one.Y1
+            lanes[3, k] += one.Y1_
+            lanes[4, k] += one.N1
+            lanes[5, k] += one.N1_
+            lanes[6, k] += one.Q1
+            lanes[7, k] += one.Q1_
+            lanes[8, k] += one.X2
+            lanes[9, k] += one.X2_
+            lanes[10, k] += one.Y2
+            lanes[11, k] += one.Y2_
+            lanes[12, k] += one.N2
+            lanes[13, k] += one.N2_
+            lanes[14, k] += one.Q2
+            lanes[15, k] += one.Q2_
+            lanes[16, k] += one.sway
+            lanes[17, k] += one.sway_velocity
+            lanes[18, k] += one.roll
+            lanes[19, k] += one.yaw
+            lanes[20, k] += one.yaw_rate
 
 
 @kernel
@@ -298,7 +330,7 @@ def wave_loads(time, dt, body, sea, waves, ship, lanes):
     waves : Waves
     ship : int
         Row of her phases.
-    lanes : ndarray (N_SUMS, N_TOGETHER)
+    lanes : ndarray (N_SUMS, EIGHT)
         Scratch.
 
     Returns
@@ -312,20 +344,17 @@ def wave_loads(time, dt, body, sea, waves, ship, lanes):
     surge = cell(min(u, sea.speed_max), 0.0, sea.speed_step, response.shape[0])
     psi = body.psi + 0.5 * dt * body.r
     for j in range(N_SUMS):
-        for k in range(N_TOGETHER):
+        for k in range(EIGHT):
             lanes[j, k] = 0.0
     for g in range(waves.offsets.shape[0]):
         direction = sea.wave_to + waves.offsets[g]
         path = path_along(body, direction)
         now = mirrored(corners(body.psi, direction, surge, response))
         later = corners(psi, direction, surge, response)
-        last = waves.groups[g + 1]
-        for a in range(waves.groups[g], last, N_TOGETHER):
-            count = min(N_TOGETHER, last - a)
-            sum_waves(
-                np.uint64(a), np.uint64(count), time, dt, path, components, phase, response, now,
-                later, mirrored(later), sea.mean_drift == 1, lanes,
-            )  # fmt: skip
+        sum_waves(
+            waves.groups[g], waves.groups[g + 1], time, dt, path, components, phase, response, now,
+            later, mirrored(later), sea.mean_drift == 1, lanes,
+        )  # fmt: skip
     return of_sums(lane_sums(lanes), sea, max(0.0, u / sea.speed_max - 1.0), dt)
 
 

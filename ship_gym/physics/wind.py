@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ship_gym.conventions import RHO_AIR
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import arctan2, cos_sin, cos_sin_of_turns
 from ship_gym.physics.interpolate import cell, linear
 from ship_gym.physics.quantities import Force
-from ship_gym.physics.scratch import N_TOGETHER
+from ship_gym.physics.scratch import EIGHT, NONE
 from ship_gym.physics.waves import lane_sum
 
 _TURN = 2.0 * math.pi
@@ -25,18 +27,18 @@ def gust_factor(time, scale, gusts, phases, lanes):
     time, scale : float
         [s], -
     gusts : ndarray (2, K)
-        Share of each harmonic and its frequency [rad/s].
+        Share of each harmonic and its frequency [rad/s]; K a multiple of 8, see `waves.Waves`.
     phases : ndarray (K,)
         Fractions of a turn.
-    lanes : ndarray (N_TOGETHER,)
+    lanes : ndarray (EIGHT,)
         Scratch.
     """
-    for k in range(N_TOGETHER):
+    for k in range(EIGHT):
         lanes[k] = 0.0
-    for first in range(0, phases.shape[0], N_TOGETHER):
-        for k in range(min(N_TOGETHER, phases.shape[0] - first)):
-            turns = gusts[1, first + k] * time * _PER_TURN + phases[first + k]
-            lanes[k] += gusts[0, first + k] * cos_sin_of_turns(turns)[0]
+    for begin in range(NONE, np.uint64(phases.shape[0]), EIGHT):
+        for k in range(EIGHT):
+            turns = gusts[1, begin + k] * time * _PER_TURN + phases[begin + k]
+            lanes[k] += gusts[0, begin + k] * cos_sin_of_turns(turns)[0]
     return 1.0 + scale * lane_sum(lanes)
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.conventions import G
 from ship_gym.physics.disturbance import draw_disturbance
-from ship_gym.physics.scratch import N_GUSTS
+from ship_gym.physics.scratch import N_GUSTS, in_lines
 from ship_gym.physics.step import Water
 from ship_gym.physics.waves import Waves
 from ship_gym.sea.components import WaveComponents
@@ -40,6 +40,7 @@ from ship_gym.ships.records import numbered
 
 N_HARMONICS = 16
 N_DISTURBANCE = 2 * N_HARMONICS  # phases of sway force and yaw moment
+_GUST_COLUMNS = 24  # filled up to a multiple of 8, see ``physics.wind.gust_factor``
 _FIRST = 0.4  # omega_1 T: 90 % of the spectrum's variance lies below the last harmonic
 
 SEA_DTYPE = np.dtype(
@@ -92,6 +93,8 @@ class Waters:
     records : numpy.ndarray
         SEA_DTYPE, shape (n,).
     waves : physics.waves.Waves
+    columns : numpy.ndarray
+        Where the waves stand in the arrays of `waves`, the rest of which fills up: shape (N,).
     winds : numpy.ndarray
         Wind coefficients, shape (kinds, 181, 3).
     gusts, gust_phases : numpy.ndarray
@@ -103,6 +106,7 @@ class Waters:
 
     records: np.ndarray
     waves: Waves
+    columns: np.ndarray
     winds: np.ndarray
     gusts: np.ndarray
     gust_phases: np.ndarray
@@ -111,7 +115,7 @@ class Waters:
     @property
     def n_waves(self) -> int:
         """Number of waves."""
-        return self.waves.phases.shape[1]
+        return len(self.columns)
 
     @property
     def n_phases(self) -> int:
@@ -134,11 +138,11 @@ class Waters:
         """
         record, waves = self.records[ship], self.waves
         amplitude, omega, number = waves.components[record["response"]]
-        each = np.repeat(waves.offsets, np.diff(waves.groups))
+        each = np.repeat(waves.offsets, np.diff(waves.groups).astype(int))
         direction = record["wave_to"] + each
-        return np.stack(
-            [record["wave_share"] * amplitude, omega, number, waves.phases[ship], direction]
-        )
+        phase = waves.phases[ship]
+        found = np.stack([record["wave_share"] * amplitude, omega, number, phase, direction])
+        return found[:, self.columns]
 
     def for_ships(self, rows: np.ndarray) -> Waters:
         """The seas of the given rows, one each; their phases are still to be drawn."""
@@ -146,7 +150,7 @@ class Waters:
         return dataclasses.replace(
             self,
             records=self.records[rows],
-            waves=self.waves._replace(phases=np.zeros((n, self.n_waves))),
+            waves=self.waves._replace(phases=in_lines(np.zeros((n, self.waves.phases.shape[1])))),
             gust_phases=np.zeros((n, self.gust_phases.shape[1])),
             harmonics=np.zeros((n, *self.harmonics.shape[1:])),
         )
@@ -223,22 +227,23 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
             responses.append(wave_response(ship, omega, s.surge_model))
             components.append(np.stack([parts[key[1]].amplitude, omega, omega**2 / G]))
     n = len(ships)
-    breaks = np.flatnonzero(np.diff(first.direction)) + 1
-    groups = np.array([0, *breaks.tolist(), len(first.omega)] if responses else [0])
+    offsets, groups, columns = _in_eights(first.direction)
+    count = int(groups[-1])
     waves = Waves(
-        components=np.stack(components) if components else np.zeros((1, 3, 0)),
-        offsets=np.array(first.direction)[groups[:-1]],
-        groups=groups.astype(np.int64),
-        response=_stacked(responses) if responses else BLANK_RESPONSE,
-        phases=np.zeros((n, len(first.omega))),
+        components=_filled(np.array(components), columns, count) if components else np.zeros((1, 3, 0)),
+        offsets=offsets,
+        groups=groups,
+        response=_filled(_stacked(responses), columns, count) if responses else BLANK_RESPONSE,
+        phases=in_lines(np.zeros((n, count))),
     )
     gusty = any(s.gusts for s in different)
     return Waters(
         records,
         waves,
+        columns,
         winds=np.stack(winds) if winds else np.zeros((1, 2, 3)),
         gusts=np.stack(gusts) if gusty else np.zeros((max(len(gusts), 1), 2, 0)),
-        gust_phases=np.zeros((n, N_GUSTS if gusty else 0)),
+        gust_phases=np.zeros((n, _GUST_COLUMNS if gusty else 0)),
         harmonics=np.zeros((n, 4, N_HARMONICS if records["disturbed"].any() else 0)),
     )
 
@@ -259,9 +264,31 @@ def set_phases(water: Waters, which: np.ndarray, uniform: np.ndarray) -> None:
         draw_disturbance(which, water.harmonics, water.records, DISTURBANCE_AMPLITUDE, uniform)
     if uniform.shape[1] > N_DISTURBANCE:
         water.records["variation_phase"][which] = uniform[:, N_DISTURBANCE]
-        gusts = uniform[:, N_DISTURBANCE + 1 :][:, : water.gust_phases.shape[1]]
-        water.gust_phases[which] = gusts
-        water.waves.phases[which] = uniform[:, uniform.shape[1] - water.n_waves :]
+        if water.gust_phases.shape[1]:
+            gusts = uniform[:, N_DISTURBANCE + 1 :][:, :N_GUSTS]
+            water.gust_phases[which, :N_GUSTS] = gusts
+        phases = uniform[:, uniform.shape[1] - water.n_waves :]
+        water.waves.phases[np.ix_(which, water.columns)] = phases
+
+
+def _in_eights(direction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Different directions, where the waves of each begin, and the columns of all waves.
+
+    Each direction begins at a multiple of 8, as ``physics.waves.sum_waves`` needs it.
+    """
+    offsets, counts = np.unique(direction, return_counts=True)
+    eights = -(-counts // 8) * 8
+    groups = np.concatenate([[0], np.cumsum(eights)]).astype(np.uint64)
+    starts = np.repeat(groups[:-1].astype(np.int64), counts)
+    within = np.concatenate([np.arange(c) for c in counts]) if len(counts) else np.zeros(0)
+    return offsets, groups, starts + within.astype(np.int64)
+
+
+def _filled(values: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
+    """Values (..., N) in their columns of `count`, zero elsewhere."""
+    found = in_lines(np.zeros((*values.shape[:-1], count)))
+    found[..., columns] = values
+    return found
 
 
 def _stacked(responses: list[np.ndarray]) -> np.ndarray:
@@ -311,10 +338,12 @@ def _fill_waves(record: np.record, ship: Ship, waves: WaveComponents, kind: int)
 
 
 def _gusts(ship: Ship, sea: Sea) -> np.ndarray:
-    """Share and frequency [rad/s] of the gusts' harmonics, shape (2, N_GUSTS); zero without."""
+    """Share and frequency [rad/s] of the gusts' harmonics, zero without and where they fill up."""
+    found = np.zeros((2, _GUST_COLUMNS))
     if not sea.gusts:
-        return np.zeros((2, N_GUSTS))
+        return found
     full = sea.wind_speed * ship.time_unit  # the spectrum is that of the full scale
     height = max(ship.wind.s_H * ship.scale, 1.0)
     omega, amplitude = gust_harmonics(full, height, N_GUSTS)
-    return np.stack([amplitude / full, omega * ship.time_unit])
+    found[:, :N_GUSTS] = amplitude / full, omega * ship.time_unit
+    return found
