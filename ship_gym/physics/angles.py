@@ -13,6 +13,7 @@ from ship_gym.physics._kernel import kernel
 
 _TURN = 2.0 * math.pi
 _PER_RADIAN = 1.0 / _TURN
+_WHOLE = 1.5 * 2.0**52  # added, it leaves no place for fractions: rounds to the nearest
 _TAN_EIGHTH = math.sqrt(2.0) - 1.0  # tan(pi / 8)
 
 
@@ -39,7 +40,7 @@ def cos_sin_of_turns(turns):
     Minimax polynomials on a quarter turn to either side; the other half of the circle is folded
     onto it.
     """
-    f = turns - math.floor(turns + 0.5)
+    f = turns - ((turns + _WHOLE) - _WHOLE)
     far = abs(f) > 0.25
     h = 0.5 - abs(f) if far else abs(f)
     z = h * h

@@ -16,6 +16,7 @@ LANES = 64
 EIGHT, NONE = np.uint64(8), np.uint64(0)  # waves side by side in a sum; see waves.sum_waves
 N_SUMS = 21  # waves.Sums
 N_GUSTS = 20
+GUST_COLUMNS = 24  # filled up to a multiple of eight
 
 _FIELDS = [
     ("ship", (N_PARAMETERS, LANES)),  # parameters.ship_at
@@ -31,7 +32,7 @@ _FIELDS = [
     ("own", (9, LANES)),  # OwnForces at the last asked place
     ("units", (10, LANES)),  # Units there
     ("dt", (LANES,)),  # integration step [s]
-    ("gust", (int(EIGHT),)),
+    ("gust", (GUST_COLUMNS,)),
     ("wave", (N_SUMS, int(EIGHT))),  # waves.sum_waves
 ]
 SCRATCH = np.dtype(

@@ -40,9 +40,9 @@ class Waves(NamedTuple):
         Amplitude, frequency and wave number of the waves of each sea, sorted by direction; those of
         one direction filled up with waves of no height to a multiple of 8.
     offsets, groups : ndarray (G,), ndarray of np.uint64 (G + 1,)
-        Directions relative to the sea's main one [rad]; first wave of each, and N.
-    response : ndarray (kinds, speeds, headings, 9, N)
-        Of the ship in that sea. Headings from 0 to pi; sway, roll, yaw and their drift change sign
+        Directions relative to the sea's main one [rad]; first eight of each, and N / 8.
+    response : ndarray (kinds, speeds, headings, N / 8, 9, 8)
+        Of the ship in that sea: what eight waves need lies together. Headings from 0 to pi; sway, roll, yaw and their drift change sign
         with the side.
     phases : ndarray (n, N)
         Of each ship [turns].
@@ -165,7 +165,7 @@ def corners(psi, direction, surge, response):
     """`Corners` of a ship on a heading in waves that go to a direction, both [rad].
 
     `surge` is the cell of her speed through the water and the weight of its upper end; `response`
-    has the shape (speeds, headings, 9, N).
+    has the shape (speeds, headings, N / 8, 9, 8).
     """
     headings = response.shape[1]
     mu, side = relative_heading(psi, direction)
@@ -183,16 +183,18 @@ def mirrored(at):
 
 
 @kernel
-def mixed(response, at, channel, k):
-    """A channel of wave k's response between four `Corners`."""
+def mixed(response, at, eight, channel, lane):
+    """A channel of one wave's response between four `Corners`."""
     i, j = at.i, at.j
-    low = at.a * response[i, j, channel, k] + at.b * response[i, j + 1, channel, k]
-    return low + at.c * response[i + 1, j, channel, k] + at.d * response[i + 1, j + 1, channel, k]
+    low = at.a * response[i, j, eight, channel, lane]
+    low += at.b * response[i, j + 1, eight, channel, lane]
+    low += at.c * response[i + 1, j, eight, channel, lane]
+    return low + at.d * response[i + 1, j + 1, eight, channel, lane]
 
 
 @kernel
-def of_wave(k, time, dt, path, components, phase, response, now, later, across, mean):
-    """`Sums` of wave k alone, of a sea of unit height.
+def of_wave(eight, lane, time, dt, path, components, phase, response, now, later, across, mean):
+    """`Sums` of one wave alone, that of a lane of an eight, of a sea of unit height.
 
     A wave of amplitude a has the phase theta = omega t - k_w place + phase at the ship, and the
     frequency omega_e at a place that moves with her, which turns the phase to that of the coming
@@ -211,14 +213,15 @@ def of_wave(k, time, dt, path, components, phase, response, now, later, across, 
     mean : bool
         Only the constant part of the drift, a^2 T, for Q = 1.
     """
+    k = eight * EIGHT + lane
     a, omega, number = components[AMPLITUDE, k], components[OMEGA, k], components[NUMBER, k]
     omega_e = omega - number * path.speed
     c, s = cos_sin_of_turns((omega * time - number * path.along) * _PER_TURN + phase[k])
     c, s = a * c, a * s
-    re, im = mixed(response, now, SWAY, k), mixed(response, now, SWAY_, k)
+    re, im = mixed(response, now, eight, SWAY, lane), mixed(response, now, eight, SWAY_, lane)
     sway, sway_velocity = re * c - im * s, -omega_e * (re * s + im * c)
-    roll = mixed(response, now, ROLL, k) * c - mixed(response, now, ROLL_, k) * s
-    re, im = mixed(response, now, YAW, k), mixed(response, now, YAW_, k)
+    roll = mixed(response, now, eight, ROLL, lane) * c - mixed(response, now, eight, ROLL_, lane) * s
+    re, im = mixed(response, now, eight, YAW, lane), mixed(response, now, eight, YAW_, lane)
     yaw, yaw_rate = re * c - im * s, -omega_e * (re * s + im * c)
     c_q, s_q = cos_sin_of_turns(0.25 * dt * _PER_TURN * omega_e)
     c_h, s_h = c_q * c_q - s_q * s_q, 2.0 * c_q * s_q
@@ -226,8 +229,8 @@ def of_wave(k, time, dt, path, components, phase, response, now, later, across, 
     c2, s2 = c1 * c_h - s1 * s_h, s1 * c_h + c1 * s_h
     if mean:
         c1, s1, c2, s2 = a * a, 0.0, a * a, 0.0
-    X, Y = mixed(response, later, DRIFT_X, k), mixed(response, across, DRIFT_Y, k)
-    N = mixed(response, across, DRIFT_N, k)
+    X, Y = mixed(response, later, eight, DRIFT_X, lane), mixed(response, across, eight, DRIFT_Y, lane)
+    N = mixed(response, across, eight, DRIFT_N, lane)
     return Sums(
         X * c1, X * s1, Y * c1, Y * s1, N * c1, N * s1, c1, s1,
         X * c2, X * s2, Y * c2, Y * s2, N * c2, N * s2, c2, s2,
@@ -276,13 +279,13 @@ def sum_waves(
 ):  # fmt: skip
     """Add what the waves of one direction bring to the sums in `lanes`, eight side by side.
 
-    `first` and `last` are multiples of 8; what is left out is as in `of_wave`. All indices are
+    `first` and `last` count eights; what is left out is as in `of_wave`. All indices are
     unsigned: for others numba looks whether they count from the end, in every wave.
     """
-    for begin in range(first, last, EIGHT):
+    for eight in range(first, last):
         for k in range(EIGHT):
             one = of_wave(
-                begin + k, time, dt, path, components, phase, response, now, later, across, mean
+                eight, k, time, dt, path, components, phase, response, now, later, across, mean
             )
             # line by line: an index into a tuple is a switch, which cannot be vectorised
             lanes[0, k] += one.X1

@@ -19,7 +19,7 @@ _PER_TURN = 1.0 / _TURN
 
 
 @kernel
-def gust_factor(time, scale, gusts, phases, lanes):
+def gust_factor(time, scale, gusts, phases, work):
     """Wind speed over its mean, 1 + scale sum share cos(omega t + phase).
 
     Parameters
@@ -30,16 +30,16 @@ def gust_factor(time, scale, gusts, phases, lanes):
         Share of each harmonic and its frequency [rad/s]; K a multiple of 8, see `waves.Waves`.
     phases : ndarray (K,)
         Fractions of a turn.
-    lanes : ndarray (EIGHT,)
+    work : ndarray (K or more,)
         Scratch.
     """
-    for k in range(EIGHT):
-        lanes[k] = 0.0
-    for begin in range(NONE, np.uint64(phases.shape[0]), EIGHT):
-        for k in range(EIGHT):
-            turns = gusts[1, begin + k] * time * _PER_TURN + phases[begin + k]
-            lanes[k] += gusts[0, begin + k] * cos_sin_of_turns(turns)[0]
-    return 1.0 + scale * lane_sum(lanes)
+    count, total = np.uint64(phases.shape[0]), 0.0
+    for k in range(count):  # no sum yet: vector instructions
+        turns = gusts[1, k] * time * _PER_TURN + phases[k]
+        work[k] = gusts[0, k] * cos_sin_of_turns(turns)[0]
+    for begin in range(NONE, count, EIGHT):
+        total += lane_sum(work[begin : begin + EIGHT])
+    return 1.0 + scale * total
 
 
 @kernel

@@ -21,7 +21,7 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.conventions import G
 from ship_gym.physics.disturbance import draw_disturbance
-from ship_gym.physics.scratch import N_GUSTS, in_lines
+from ship_gym.physics.scratch import GUST_COLUMNS, N_GUSTS, in_lines
 from ship_gym.physics.step import Water
 from ship_gym.physics.waves import Waves
 from ship_gym.sea.components import WaveComponents
@@ -40,7 +40,6 @@ from ship_gym.ships.records import numbered
 
 N_HARMONICS = 16
 N_DISTURBANCE = 2 * N_HARMONICS  # phases of sway force and yaw moment
-_GUST_COLUMNS = 24  # filled up to a multiple of 8, see ``physics.wind.gust_factor``
 _FIRST = 0.4  # omega_1 T: 90 % of the spectrum's variance lies below the last harmonic
 
 SEA_DTYPE = np.dtype(
@@ -138,7 +137,7 @@ class Waters:
         """
         record, waves = self.records[ship], self.waves
         amplitude, omega, number = waves.components[record["response"]]
-        each = np.repeat(waves.offsets, np.diff(waves.groups).astype(int))
+        each = np.repeat(waves.offsets, 8 * np.diff(waves.groups).astype(int))
         direction = record["wave_to"] + each
         phase = waves.phases[ship]
         found = np.stack([record["wave_share"] * amplitude, omega, number, phase, direction])
@@ -228,12 +227,14 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
             components.append(np.stack([parts[key[1]].amplitude, omega, omega**2 / G]))
     n = len(ships)
     offsets, groups, columns = _in_eights(first.direction)
-    count = int(groups[-1])
+    count = 8 * int(groups[-1])
     waves = Waves(
         components=_filled(np.array(components), columns, count) if components else np.zeros((1, 3, 0)),
         offsets=offsets,
         groups=groups,
-        response=_filled(_stacked(responses), columns, count) if responses else BLANK_RESPONSE,
+        response=_eight_by_eight(_filled(_stacked(responses), columns, count))
+        if responses
+        else BLANK_RESPONSE,
         phases=in_lines(np.zeros((n, count))),
     )
     gusty = any(s.gusts for s in different)
@@ -243,7 +244,7 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
         columns,
         winds=np.stack(winds) if winds else np.zeros((1, 2, 3)),
         gusts=np.stack(gusts) if gusty else np.zeros((max(len(gusts), 1), 2, 0)),
-        gust_phases=np.zeros((n, _GUST_COLUMNS if gusty else 0)),
+        gust_phases=np.zeros((n, GUST_COLUMNS if gusty else 0)),
         harmonics=np.zeros((n, 4, N_HARMONICS if records["disturbed"].any() else 0)),
     )
 
@@ -272,14 +273,13 @@ def set_phases(water: Waters, which: np.ndarray, uniform: np.ndarray) -> None:
 
 
 def _in_eights(direction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Different directions, where the waves of each begin, and the columns of all waves.
+    """Different directions, the first eight of each, and the columns of all waves.
 
-    Each direction begins at a multiple of 8, as ``physics.waves.sum_waves`` needs it.
+    Each direction begins with an eight of its own, as ``physics.waves.sum_waves`` needs it.
     """
     offsets, counts = np.unique(direction, return_counts=True)
-    eights = -(-counts // 8) * 8
-    groups = np.concatenate([[0], np.cumsum(eights)]).astype(np.uint64)
-    starts = np.repeat(groups[:-1].astype(np.int64), counts)
+    groups = np.concatenate([[0], np.cumsum(-(-counts // 8))]).astype(np.uint64)
+    starts = np.repeat(8 * groups[:-1].astype(np.int64), counts)
     within = np.concatenate([np.arange(c) for c in counts]) if len(counts) else np.zeros(0)
     return offsets, groups, starts + within.astype(np.int64)
 
@@ -289,6 +289,13 @@ def _filled(values: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
     found = in_lines(np.zeros((*values.shape[:-1], count)))
     found[..., columns] = values
     return found
+
+
+def _eight_by_eight(response: np.ndarray) -> np.ndarray:
+    """Response (..., 9, N) as (..., N / 8, 9, 8)."""
+    *rest, channels, count = response.shape
+    parts = response.reshape(*rest, channels, count // 8, 8)
+    return in_lines(np.swapaxes(parts, -3, -2))
 
 
 def _stacked(responses: list[np.ndarray]) -> np.ndarray:
@@ -339,7 +346,7 @@ def _fill_waves(record: np.record, ship: Ship, waves: WaveComponents, kind: int)
 
 def _gusts(ship: Ship, sea: Sea) -> np.ndarray:
     """Share and frequency [rad/s] of the gusts' harmonics, zero without and where they fill up."""
-    found = np.zeros((2, _GUST_COLUMNS))
+    found = np.zeros((2, GUST_COLUMNS))
     if not sea.gusts:
         return found
     full = sea.wind_speed * ship.time_unit  # the spectrum is that of the full scale
