@@ -31,6 +31,10 @@ AMPLITUDE, OMEGA, NUMBER, PHASE, DIRECTION = range(5)
 DRIFT_X, DRIFT_Y, DRIFT_N, SWAY, SWAY_, ROLL, ROLL_, YAW, YAW_ = range(9)
 
 
+# Response to eight waves, channel by channel
+EIGHT_WAVES = np.dtype((np.record, np.dtype([("of", np.float64, (9, int(EIGHT)))], align=True)))
+
+
 class Waves(NamedTuple):
     """The waves of all ships of a batch.
 
@@ -41,8 +45,8 @@ class Waves(NamedTuple):
         one direction filled up with waves of no height to a multiple of 8.
     offsets, groups : ndarray (G,), ndarray of np.uint64 (G + 1,)
         Directions relative to the sea's main one [rad]; first eight of each, and N / 8.
-    response : ndarray (kinds, speeds, headings, N / 8, 9, 8)
-        Of the ship in that sea: what eight waves need lies together. Headings from 0 to pi; sway, roll, yaw and their drift change sign
+    response : structured ndarray (kinds, speeds, headings, N / 8)
+        `EIGHT_WAVES` of the ship in that sea: what eight waves need lies together. Headings from 0 to pi; sway, roll, yaw and their drift change sign
         with the side.
     phases : ndarray (n, N)
         Of each ship [turns].
@@ -165,7 +169,7 @@ def corners(psi, direction, surge, response):
     """`Corners` of a ship on a heading in waves that go to a direction, both [rad].
 
     `surge` is the cell of her speed through the water and the weight of its upper end; `response`
-    has the shape (speeds, headings, N / 8, 9, 8).
+    has the shape (speeds, headings, N / 8).
     """
     headings = response.shape[1]
     mu, side = relative_heading(psi, direction)
@@ -186,10 +190,10 @@ def mirrored(at):
 def mixed(response, at, eight, channel, lane):
     """A channel of one wave's response between four `Corners`."""
     i, j = at.i, at.j
-    low = at.a * response[i, j, eight, channel, lane]
-    low += at.b * response[i, j + 1, eight, channel, lane]
-    low += at.c * response[i + 1, j, eight, channel, lane]
-    return low + at.d * response[i + 1, j + 1, eight, channel, lane]
+    low = at.a * response[i, j, eight].of[channel, lane]
+    low += at.b * response[i, j + 1, eight].of[channel, lane]
+    low += at.c * response[i + 1, j, eight].of[channel, lane]
+    return low + at.d * response[i + 1, j + 1, eight].of[channel, lane]
 
 
 @kernel

@@ -23,12 +23,11 @@ from ship_gym.conventions import G
 from ship_gym.physics.disturbance import draw_disturbance
 from ship_gym.physics.scratch import GUST_COLUMNS, N_GUSTS, in_lines
 from ship_gym.physics.step import Water
-from ship_gym.physics.waves import Waves
+from ship_gym.physics.waves import EIGHT_WAVES, Waves
 from ship_gym.sea.components import WaveComponents
 from ship_gym.sea.gusts import gust_harmonics
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.sea.wave_response import (
-    BLANK_RESPONSE,
     SPEED_STEP,
     energy_outside,
     wave_response,
@@ -234,7 +233,7 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
         groups=groups,
         response=_eight_by_eight(_filled(_stacked(responses), columns, count))
         if responses
-        else BLANK_RESPONSE,
+        else np.zeros((1, 2, 2, 0), EIGHT_WAVES),
         phases=in_lines(np.zeros((n, count))),
     )
     gusty = any(s.gusts for s in different)
@@ -292,10 +291,12 @@ def _filled(values: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
 
 
 def _eight_by_eight(response: np.ndarray) -> np.ndarray:
-    """Response (..., 9, N) as (..., N / 8, 9, 8)."""
+    """Response (..., 9, N) as ``physics.waves.EIGHT_WAVES`` (..., N / 8)."""
     *rest, channels, count = response.shape
     parts = response.reshape(*rest, channels, count // 8, 8)
-    return in_lines(np.swapaxes(parts, -3, -2))
+    found = in_lines(np.zeros((*rest, count // 8), EIGHT_WAVES))
+    found["of"] = np.swapaxes(parts, -3, -2)
+    return found
 
 
 def _stacked(responses: list[np.ndarray]) -> np.ndarray:

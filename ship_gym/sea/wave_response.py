@@ -19,7 +19,6 @@ from ship_gym.ships.particulars import Ship
 N_RESPONSE = 9  # channels of `wave_response`
 SPEED_STEP = 0.05  # of the Froude number
 _SAME_HULL = 0.02  # of B / L and d / L: rounding of printed particulars
-BLANK_RESPONSE = np.zeros((1, 2, 2, 0, N_RESPONSE, 8))
 
 
 @functools.lru_cache(maxsize=16)
