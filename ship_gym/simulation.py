@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -22,13 +24,14 @@ from ship_gym.conventions import (
     N,
     U,
 )
-from ship_gym.physics._kernel import threads_work
+from ship_gym.physics._kernel import direct
+from ship_gym.physics._threads import in_parts, usable_cores
 from ship_gym.physics.dynamics import forces as ship_forces
 from ship_gym.physics.dynamics import over_ground, total
-from ship_gym.physics.parameters import Traits, as_numbers, traits_of
+from ship_gym.physics.parameters import traits_of
 from ship_gym.physics.quantities import Tables
-from ship_gym.physics.scratch import own_scratch
-from ship_gym.physics.step import Course, sail_rows, see_waves
+from ship_gym.physics.scratch import scratch_for
+from ship_gym.physics.step import Fleet, sail_rows, see_waves
 from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES
 from ship_gym.sea.records import Waters, set_phases, waters
 from ship_gym.sea.state import CALM, Sea
@@ -40,6 +43,9 @@ from ship_gym.ships.records import fleet, numbered
 PARALLEL_FROM = (
     2048  # ships; below it waiting for threads costs more than it saves where cores are busy
 )
+
+
+_MADE = ("fleet", "_sail")  # of the arrays, at the first step
 
 
 class SimulationDiverged(RuntimeError):
@@ -74,10 +80,8 @@ class ShipSim:
         a ship has two propellers (n, 19), ``conventions.FLOW_OF_UNITS``. Those of a single
         propeller stand there as the starboard one's, the port one's are zero.
     waves : numpy.ndarray
-        Wave drift and wave-frequency motion now, at the end of the last step, shape (n, 9),
+        Wave drift and wave-frequency motion now, at the end of the last step, shape (n, 10),
         ``physics.waves.WAVE_NAMES``. The motion is what sensors see on top of the state.
-    records : numpy.ndarray
-        Parameters of each ship; writing a column randomises it.
     water : sea.records.Waters
         Seas of the ships; `set_sea` draws their phases.
     """
@@ -94,8 +98,7 @@ class ShipSim:
         if len(self.ships) != self.n:
             raise ConfigError(f"{len(self.ships)} ships given for n = {self.n}")
         made = fleet(self.ships)
-        self._records, self._traits = made.records, None
-        self._expected: tuple[str, ...] = ()
+        self._records, self._expected = made.records, ()
         self._tables = Tables(made.open_water, made.deflected)
         sea = CALM if sea is None else sea
         self.water = waters(self.ships, sea if isinstance(sea, Sea) else list(sea))
@@ -154,7 +157,8 @@ class ShipSim:
         over_ground(self.state, self.seas)
         self.time[:] = 0.0
         draws = [np.random.default_rng(None if seed is None else seed + i) for i in range(self.n)]
-        uniform = np.stack([rng.random(self.water.n_phases) for rng in draws])
+        n_phases = self.water.n_phases
+        uniform = np.stack([rng.random(n_phases) for rng in draws])
         self.set_sea(np.arange(self.n), uniform, self._waves_to)
         return self.state
 
@@ -177,23 +181,34 @@ class ShipSim:
     def see_waves(self, which: np.ndarray) -> None:
         """Refresh ``self.waves`` of some ships, shape (m,), from their states and times."""
         if self.water.n_waves:
-            see_waves(which, self.course, self.water.arrays, own_scratch())
+            see_waves(which, self.fleet)
 
     def set_water(self, water: Waters) -> None:
         """Replace the seas of all ships, as ``sea.records.waters`` makes them; then `set_sea`."""
-        self.water, self.seas = water, water.records
+        self.water = water
+        self.replace(seas=water.records)
+
+    def replace(self, **arrays: np.ndarray) -> None:
+        """Use other arrays of the same shapes and types instead of attributes of these names."""
+        self.__dict__.update(arrays)
+        self._make_anew()
+
+    def _make_anew(self) -> None:
+        """Forget what is made of the arrays."""
+        for made in _MADE:
+            self.__dict__.pop(made, None)
 
     @property
     def records(self) -> np.ndarray:
         """Parameters of each ship, shape (n,); writing a column randomises it.
 
-        Take it anew for each change: what is common to all ships is found again after it was taken.
+        Take it anew for every change: what the ships have in common is then found again.
         """
-        self._traits = None
+        self._make_anew()
         return self._records
 
     def expect(self, *traits: str) -> None:
-        """Prepare for what `records` will get while sailing, so that nothing is compiled then.
+        """Prepare for what the records will get while sailing, so that nothing is compiled then.
 
         Parameters
         ----------
@@ -201,22 +216,8 @@ class ShipSim:
             Of ``physics.parameters.Traits``: ``each``, ships that differ; ``spread``, draws of the
             surrogate.
         """
-        self._expected, self._traits = traits, None
-
-    @property
-    def traits(self) -> Traits:
-        """What the ships have in common, a type to the compiler."""
-        if self._traits is None:
-            self._traits = traits_of(self._records, self._expected)
-        return self._traits
-
-    @property
-    def course(self) -> Course:
-        """The ships under way, as the kernels take them."""
-        return Course(
-            self.state, self.commands, self.time, self._clock, self._records,
-            as_numbers(self._records), self.forces, self.flow, self.waves,
-        )  # fmt: skip
+        self._expected = traits
+        self._make_anew()
 
     def self_propulsion(self, speed: np.ndarray) -> np.ndarray:
         """Propeller speed [rev/s] of each ship that holds a speed [m/s] on a straight course."""
@@ -287,12 +288,42 @@ class ShipSim:
 
     def sail(self) -> int:
         """As `advance`, but a state that is not finite is no error; returns how many are finite."""
-        arguments = self.course, self.water.arrays, self._tables, self.traits
+        return sum(in_parts(self._sail, self.n, self.threads))
 
-        def sail(first: int, last: int) -> int:
-            return sail_rows(first, last, *arguments, own_scratch())
+    @property
+    def threads(self) -> int:
+        """Number of threads that sail the batch."""
+        return max(usable_cores(), 2) if self.parallel else 1
 
-        return sail(0, self.n)
+    @functools.cached_property
+    def fleet(self) -> Fleet:
+        """All arrays of the step, which stay the same ones from the first step on."""
+        return Fleet(
+            state=self.state,
+            commands=self.commands,
+            time=self.time,
+            clock=self._clock,
+            ships=self._records,
+            seas=self.seas,
+            forces=self.forces,
+            flow=self.flow,
+            met=self.waves,
+            tables=self._tables,
+            traits=traits_of(self._records, self._expected),
+            water=self.water.arrays,
+            scratch=scratch_for(self.threads),
+        )
+
+    @functools.cached_property
+    def _sail(self) -> Callable[[int, int], int]:
+        """The compiled step of a part of the batch."""
+        fleet = self.fleet
+        run = direct(sail_rows, (0, 0, fleet))
+        return lambda first, last: run(first, last, fleet)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what is made of the arrays: a copy makes its own."""
+        return {k: v for k, v in self.__dict__.items() if k not in _MADE}
 
     def _report_divergence(self) -> None:
         i = int(np.flatnonzero(~np.isfinite(self.state).all(axis=1))[0])

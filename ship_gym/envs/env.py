@@ -168,6 +168,9 @@ class ShipEnv(gym.Env):
         ``"rgb_array"`` or ``"human"``.
     max_episode_steps : int, optional
         Control intervals of an episode, instead of what the scenario's duration says.
+    copy : bool
+        Whether observations and infos stay as they are. If False they are the environment's own
+        arrays, which the next step or reset overwrites (an info counts when it is looked at).
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012
@@ -183,7 +186,9 @@ class ShipEnv(gym.Env):
         overrides: Mapping[str, Any] | None = None,
         render_mode: str | None = None,
         max_episode_steps: int | None = None,
+        copy: bool = True,
     ):
+        self._copy = bool(copy)
         check_render_mode(render_mode)
         self.render_mode = render_mode
         scenario = self.scenario_name if scenario is None else scenario
@@ -196,6 +201,7 @@ class ShipEnv(gym.Env):
         self.episodes = EpisodeBatch(1, self.scenario, given, parallel=False)
         self.observation_space = observation_space(self.scenario)
         self.action_space = action_space(self.scenario)
+        self._shape = self.action_space.shape
         self._screen = None if render_mode is None else Screen(render_mode, self.episodes)
 
     @property
@@ -219,26 +225,31 @@ class ShipEnv(gym.Env):
         self.episodes.start(_ALL, draws, given)
         if self._screen is not None:
             self._screen.begin()
-        return self.episodes.observations[0].copy(), self.episodes.info_of(0)
+        return self._seen(), self.episodes.info_of(0, self._copy)
 
     def step(self, action):
         """Sail one control interval under one action."""
         episodes = self.episodes
-        if np.shape(action) != self.action_space.shape:
+        given = np.asarray(action)
+        if given.shape != self._shape:
             raise ConfigError(
-                f"action = {action!r} has shape {np.shape(action)}, allowed is "
+                f"action = {action!r} has shape {given.shape}, allowed is "
                 f"{self.action_space.shape} for control = {self.scenario.control!r}"
             )
-        episodes.step([action])
+        episodes.step(given[None])
         if self._screen is not None:
             self._screen.follow()
         return (
-            episodes.observations[0].copy(),
-            float(episodes.rewards[0]),
-            bool(episodes.terminated[0]),
-            bool(episodes.truncated[0]),
-            episodes.info_of(0),
+            self._seen(),
+            episodes.rewards.item(0),
+            episodes.terminated.item(0),
+            episodes.truncated.item(0),
+            episodes.info_of(0, self._copy),
         )
+
+    def _seen(self) -> np.ndarray:
+        observation = self.episodes.observations[0]
+        return observation.copy() if self._copy else observation
 
     def render(self):
         """Picture of the present instant, uint8 (height, width, 3); None in mode ``"human"``."""

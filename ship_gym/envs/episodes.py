@@ -15,23 +15,21 @@ from ship_gym.conventions import (
     FLOW_EXTRAPOLATION,
     FLOW_OF_UNITS,
     FORCE_COMPONENTS,
-    PSI,
-    N,
-    U,
-    X,
-    Y,
+    N_FLOW,
 )
+from ship_gym.envs.info import Info, Layout, info_of_all, info_of_one, side_by_side
+from ship_gym.envs.interval import BAD_ACTION, BAD_OUTCOME, Episodes, Failure, Loops
 from ship_gym.envs.probe import check_outcomes, try_kernels
 from ship_gym.envs.randomisation import ShipDraws, check_has_std
 from ship_gym.envs.weather import Weathers
-from ship_gym.physics.dynamics import over_ground
+from ship_gym.physics._threads import in_parts
 from ship_gym.physics.waves import WAVE_EXTRAPOLATION
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import numbered
 from ship_gym.simulation import ShipSim
-from ship_gym.tasks import TASKS, bridge, observations_of, privileged
+from ship_gym.tasks import TASKS, bridge, observations_of
 from ship_gym.tasks.columns import ACTIONS
 from ship_gym.tasks.rewards import COSTS
 
@@ -84,6 +82,7 @@ class EpisodeBatch:
         parallel: bool | None = None,
     ):
         self.scenario, self.n = scenario, n
+        self._made: Loops | None = None
         if ship is None:
             ship = load_ship(scenario.ship, surrogate=scenario.surrogate)
         given = [ship] if isinstance(ship, Ship) else list(ship)
@@ -97,7 +96,10 @@ class EpisodeBatch:
         self._weathers = Weathers(scenario.sea, self.ships)
         self.sim.set_water(self._weathers.water)
         self._plan = self.task.plan(scenario, self.ships)
-        self._ship_draws = ShipDraws(scenario.randomisation, self.sim.records)
+        self._ship_draws = ShipDraws(scenario.randomisation, self.sim.records, len(given))
+        if self._ship_draws.names or scenario.failure.any:
+            drawn = scenario.randomisation.surrogate_std > 0.0
+            self.sim.expect("each", *(("spread",) if drawn else ()))
         parts = (
             2,  # ordered heading, heading error
             self._weathers.n_draws,
@@ -106,7 +108,8 @@ class EpisodeBatch:
             1,  # key of the sensors' noise
             self.sim.water.n_phases,
         )
-        self._parts = np.cumsum(parts)[:-1].tolist()
+        ends = np.cumsum(parts).tolist()
+        self._parts = [slice(end - size, end) for end, size in zip(ends, parts, strict=True)]
         self.n_draws = sum(parts)
         self.n_actions = len(ACTIONS[scenario.control])
         self._unit = np.array([one.time_unit for one in self.ships])
@@ -118,6 +121,38 @@ class EpisodeBatch:
         self._make_arrays()
         # the first interval that begins at that time or later, whatever the division rounds to
         self._fails_at = math.ceil(scenario.failure.time / scenario.control_interval - 1e-9)
+
+    @property
+    def _loops(self) -> Loops:
+        """Compiled loops over the arrays of this batch, as they are now."""
+        if self._made is None or self._made.fleet is not self.sim.fleet:
+            self._made = self._make_loops()
+        return self._made
+
+    def _make_loops(self) -> Loops:
+        episodes = Episodes(
+            self._actions, self._before, self.tasks, self._results, self.plans, self.terms,
+            self.observations, self._failures, self._aims, self._diverged, self._failure(),
+            self._privileged_from,
+        )  # fmt: skip
+        return Loops(self.task, self.sim.fleet, episodes)
+
+    def _failure(self) -> Failure:
+        """The failure of the scenario, as the loops take it."""
+        given = self.scenario.failure
+        propeller = -1.0 if given.propeller_speed is None else given.propeller_speed
+        return Failure(
+            at=self._fails_at if given.any else -1,
+            heading_bias=math.radians(given.heading_bias_deg),
+            propeller=float(propeller),
+            rudder=float(given.rudder_rate),
+        )
+
+    @property
+    def _privileged_from(self) -> int:
+        """First privileged column of the observation, 0 without."""
+        first = bridge.N_BRIDGE + len(self.task.observations)
+        return first if self.scenario.privileged else 0
 
     @property
     def ship(self) -> Ship:
@@ -144,20 +179,12 @@ class EpisodeBatch:
         self.plans = np.zeros((n, *self._plan.shape))
         self.terms = np.zeros((n, len(self.reward_terms)))
         self._results = np.zeros(n, bridge.RESULT_DTYPE)
-        self._name_results()
+        self._gather()
         outcomes = self.task.all_outcomes
         self._failures = np.array([outcome.failed for outcome in outcomes])
         self._aims = np.array([outcome.reached for outcome in outcomes])
+        self._actions = np.zeros((n, self.n_actions))
         self._diverged = np.zeros(n, dtype=np.bool_)
-
-    def _name_results(self) -> None:
-        """Columns of the results, as views."""
-        results = self._results
-        self.rewards, self.errors = results["reward"], results["error"]
-        self.terminated, self.truncated = results["terminated"], results["truncated"]
-        self.elapsed, self.outcomes = results["elapsed"], results["outcome"]
-        self.power, self.energy = results["power"], results["energy"]
-        self.cost, self.success = results["cost"], results["success"]
 
     def _fill_tasks(self) -> None:
         scenario, tasks, unit = self.scenario, self.tasks, self._unit
@@ -178,6 +205,8 @@ class EpisodeBatch:
             "speed_noise": sensors.speed / unit,
             "position_noise": sensors.position / (unit * unit) * self.task.sees_position,
         }
+        for name, size in self._noise.items():
+            tasks[name] = size
 
     def start(
         self,
@@ -199,79 +228,64 @@ class EpisodeBatch:
             What is not drawn, arrays of m rows, see ``envs.start_options``.
         """
         sim, tasks, given = self.sim, self.tasks, given or {}
-        self._check_speed(which, given)
+        which = np.ascontiguousarray(which, dtype=np.int64)
+        if "speed" in given:
+            self._check_speed(which, given["speed"])
         if "sea_seed" in given:
             draws = self._with_seas_of(draws, given["sea_seed"])
-        begin, sea, plan, ship, key, phases = np.split(draws, self._parts, axis=1)
-        self._ship_draws.draw(which, ship)
+        begin, sea, plan, ship, key, phases = (draws[:, part] for part in self._parts)
+        self._draw_ships(which, ship)
         tasks["noise_key"][which] = (key[:, 0] * _KEY_BITS).astype(np.int64)
-        for name, size in self._noise.items():
-            tasks[name][which] = size[which] * self._ship_draws.sensor_factor(which)
-        tasks["n_limit"][which], tasks["heading_bias"][which] = np.inf, 0.0
-        sim.records["gear"]["rate"][which] = self._ship_draws.rudder_rate(which)
         order = math.pi * (2.0 * begin[:, 0] - 1.0)
         x, y = self._plan.make(which, plan, order, self.plans, tasks)
         if self.task.begin is not None:
-            self.task.begin(which, tasks, self.plans)
+            self._loops.begin(which)
         order = tasks["psi_ordered"][which]
         waves_to = self._weathers.draw(which, sea, order, tasks)
+        starts = np.empty((len(which), 4))
+        starts[:, 0], starts[:, 1], starts[:, 3] = x, y, tasks["speed"][which]
         error = math.radians(self.scenario.start.heading_error_deg) * (2.0 * begin[:, 1] - 1.0)
         if "heading_error_deg" in given:
             error = given["heading_error_deg"] * (math.pi / 180.0)
         if "position" in given:
-            x, y = given["position"].T
-        state = np.zeros((len(which), sim.state.shape[1]))
-        state[:, X], state[:, Y], state[:, PSI] = x, y, order + error
-        state[:, U], state[:, N] = tasks["speed"][which], tasks["n_order"][which]
+            starts[:, :2] = given["position"]
         if "speed" in given:
-            state[:, U] = given["speed"]
-        over_ground(state, sim.seas[which])
-        sim.state[which] = state
-        sim.time[which] = 0.0
-        sim.forces[which], sim.flow[which] = 0.0, 0.0
-        sim.commands[which, 0], sim.commands[which, 1] = 0.0, state[:, N]
-        self.terms[which], self._results[which] = 0.0, np.zeros((), bridge.RESULT_DTYPE)
-        if self.task.error is not None:
-            self.task.error(which, sim.state, tasks, self.errors)
+            starts[:, 3] = given["speed"]
+        starts[:, 2] = order + error
         self._begun = True
+        self._loops.start(which, starts)
         sim.set_sea(which, phases, waves_to)
-        self._fail()
-        try_kernels(self)
-        self.observe()
+        try_kernels(self.task, self._loops, len(self.reward_terms))
+        self.observe(which)
 
-    def _check_speed(self, which: np.ndarray, given: Mapping[str, np.ndarray]) -> None:
+    def _draw_ships(self, which: np.ndarray, uniform: np.ndarray) -> None:
+        """Draw the ships of some episodes, with everything in order."""
+        draws, scenario = self._ship_draws, self.scenario
+        draws.draw(which, uniform)
+        if draws.names or scenario.failure.any:
+            draws.set_rudder_rate(which)
+        if draws.names:
+            for name, size in self._noise.items():
+                self.tasks[name][which] = size[which] * draws.sensor_factor(which)
+
+    def _check_speed(self, which: np.ndarray, speeds: np.ndarray) -> None:
         """Refuse a speed at the start that no ship has."""
         fastest = bridge.FASTEST * self.tasks["speed"][which]
-        for speed, limit in zip(given.get("speed", ()), fastest, strict=False):
+        for speed, limit in zip(speeds, fastest, strict=True):
             check_number("options['speed']", speed, -limit, limit, "m/s")
 
     def _with_seas_of(self, draws: np.ndarray, seeds: np.ndarray) -> np.ndarray:
         """Draws with the numbers of the sea as the episodes of other seeds have them."""
         draws = draws.copy()
-        first, last, phases = self._parts[0], self._parts[1], self._parts[-1]
+        _, sea, *_, phases = self._parts
         for row, seed in zip(draws, seeds.tolist(), strict=True):
             other = seeding.np_random(seed)[0].random(self.n_draws)
-            row[first:last], row[phases:] = other[first:last], other[phases:]
+            row[sea], row[phases] = other[sea], other[phases]
         return draws
 
-    def observe(self) -> None:
-        """Refresh the observations from the present states."""
-        sim, seen = self.sim, self.observations
-        self.task.observe(
-            sim.state,
-            sim.waves,
-            sim.commands,
-            sim.records,
-            sim.seas,
-            self.tasks,
-            self.elapsed,
-            seen,
-        )
-        if self.scenario.privileged:
-            first = bridge.N_BRIDGE + len(self.task.observations)
-            privileged.observe_batch(
-                sim.state, sim.forces, sim.records, sim.seas, self.tasks, first, seen
-            )
+    def observe(self, which: np.ndarray | None = None) -> None:
+        """Refresh the observations of some episodes, shape (m,), or all from the present states."""
+        self._loops.observe(np.arange(self.n) if which is None else which)
 
     def randomisation(self) -> dict[str, np.ndarray]:
         """What was drawn for the ship of each episode, arrays of shape (n,); empty if it is off.
@@ -285,28 +299,20 @@ class EpisodeBatch:
         """Sail one control interval under actions of shape (n, n_actions)."""
         if not self._begun:
             raise ConfigError("step before reset: call reset first")
-        sim, before = self.sim, self._before
-        actions = self._shaped(actions)
-        good = bridge.command_batch(
-            actions, sim.state, sim.records, self.tasks, sim.commands, before
-        )
-        if good < self.n:
-            row = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
-            raise ConfigError(f"action {row} = {actions[row].tolist()}: must be finite, in [-1, 1]")
-        sim.sail()
-        self.task.judge(
-            sim.state, before, sim.seas, self.tasks, self.plans, self.terms, self._results
-        )
-        lost = bridge.account_batch(
-            sim.state, before, sim.flow, sim.records, sim.seas, self.tasks,
-            self._failures, self._aims, self._results, self._diverged,
-        )  # fmt: skip
-        if lost < 0:
+        self._actions[:] = self._shaped(actions)
+        lost = in_parts(self._loops.interval, self.n, self.sim.threads)
+        if any(lost):
+            self._told(min(lost))
+
+    def _told(self, lost: int) -> None:
+        """What the interval has found: a bad action or outcome, or ships that are none any more."""
+        if lost == BAD_ACTION:
+            row = int(np.flatnonzero(~np.isfinite(self._actions).all(axis=1))[0])
+            action = self._actions[row].tolist()
+            raise ConfigError(f"action {row} = {action}: must be finite, in [-1, 1]")
+        if lost == BAD_OUTCOME:
             check_outcomes(self.task, self.outcomes)
-        if lost:
-            self._end_diverged(np.flatnonzero(self._diverged))
-        self._fail()
-        self.observe()
+        self._end_diverged(np.flatnonzero(self._diverged))
 
     def _end_diverged(self, which: np.ndarray) -> None:
         """End episodes whose ship is none any more; it gets back its last state, the rest sails on.
@@ -318,24 +324,11 @@ class EpisodeBatch:
         for loads in (sim.forces, sim.flow):
             loads[which] = np.where(np.isfinite(loads[which]), loads[which], 0.0)
         sim.see_waves(which)
-        bridge.end_diverged(which, self.tasks, self.terms, self._results)
-        if self.task.error is not None:
-            self.task.error(which, sim.state, self.tasks, self.errors)
-
-    def _fail(self) -> None:
-        """Let the failure of the scenario begin where it is time."""
-        failure = self.scenario.failure
-        if not failure.any:
-            return
-        now = self.elapsed == self._fails_at
-        self.tasks["heading_bias"][now] = math.radians(failure.heading_bias_deg)
-        if failure.propeller_speed is not None:
-            self.tasks["n_limit"][now] = failure.propeller_speed * self.tasks["n_order"][now]
-        rate = self._ship_draws.rudder_rate(np.flatnonzero(now))
-        self.sim.records["gear"]["rate"][now] = failure.rudder_rate * rate
+        self._loops.end(which)
+        self.observe(which)
 
     def _shaped(self, actions: Any) -> np.ndarray:
-        """Actions as float64 of the right shape, else ConfigError."""
+        """Actions of the right shape and a type of numbers, else ConfigError."""
         try:
             actions = np.asarray(actions)
         except ValueError:
@@ -349,14 +342,22 @@ class EpisodeBatch:
             )
         if actions.dtype.kind not in "fiu":
             raise ConfigError(f"action has type {actions.dtype}, allowed are numbers in [-1, 1]")
-        return actions.astype(np.float64)
+        return actions
 
-    def info(self) -> dict[str, Any]:
+    def info(self, mask: np.ndarray, copy: bool = True) -> Info:
         """What happened in the last interval, as arrays over the batch (zero after a reset).
+
+        Built when it is looked at, of what holds now, or, without `copy`, of what holds then.
+
+        Parameters
+        ----------
+        mask : numpy.ndarray
+            Of whom, bool (n,), as Gymnasium has it for each key.
+        copy : bool
 
         Returns
         -------
-        dict
+        Info
             ``reward_terms`` by name; ``forces`` by component, each (n, 3) X, Y [N], N [N m], and
             ``flow`` by name, both at the start of the interval, with two propellers also of each
             (``thrust_starboard``, ``thrust_port``); ``psi_ordered`` [rad], of a track
@@ -371,30 +372,22 @@ class EpisodeBatch:
             its wave table goes, 0 inside, and ``waves_outside``, the share of the waves' energy at
             frequencies outside it, where its ends hold (0.05 to 0.3 in the default sea).
         """
-        info: dict[str, Any] = {}
-        groups, columns = self._views
-        for key, (names, rows) in groups.items():
-            kept = rows.copy()
-            info[key] = {name: kept[:, k] for k, name in enumerate(names)}
-        return info | {key: values.copy() for key, values in columns.items()} | self._failed()
+        return info_of_all(self._layout, mask, self._only, copy)
 
-    def info_of(self, i: int) -> dict[str, Any]:
+    def info_of(self, i: int, copy: bool = True) -> Info:
         """Row i of `info` as plain numbers, without the detour over the batch."""
-        info: dict[str, Any] = {}
-        groups, columns = self._views
-        for key, (names, rows) in groups.items():
-            row = list(rows[i].copy()) if rows.ndim > 2 else rows[i].tolist()
-            info[key] = dict(zip(names, row, strict=True))
-        for key, values in columns.items():
-            info[key] = values.item(i)
-        for key, values in self._failed().items():
-            info[key] = values.item(i)
-        return info
+        return info_of_one(self._layout, i, copy)
 
     @functools.cached_property
-    def _views(self) -> tuple[dict[str, tuple[Sequence[str], np.ndarray]], dict[str, np.ndarray]]:
-        """Groups of the info (names, present values) and its single values, as views."""
-        sim, tasks = self.sim, self.tasks
+    def _only(self) -> dict[str, np.ndarray]:
+        """Who has loads of each propeller."""
+        two = np.array([ship.propellers == 2 for ship in self.ships])
+        return dict.fromkeys(FLOW_OF_UNITS[N_FLOW:], two)
+
+    @functools.cached_property
+    def _layout(self) -> Layout:
+        """Groups of the info (names, present values) and its single values."""
+        sim = self.sim
         groups: dict[str, tuple[Sequence[str], np.ndarray]] = {
             "reward_terms": (self.reward_terms, self.terms),
             "forces": (FORCE_COMPONENTS, sim.forces),
@@ -403,7 +396,7 @@ class EpisodeBatch:
         if self._ship_draws.names:
             groups["randomisation"] = (self._ship_draws.names, self._ship_draws.values)
         columns = {
-            "psi_ordered": tasks["psi_ordered"],
+            "psi_ordered": self._results["psi_ordered"],
             "time": sim.time,
             "power": self.power,
             "energy": self.energy,
@@ -415,20 +408,34 @@ class EpisodeBatch:
         columns |= self.task.info(self)
         if sim.water.n_waves:
             columns["waves_extrapolation"] = sim.waves[:, WAVE_EXTRAPOLATION]
-            columns["waves_outside"] = sim.seas["waves_outside"]
-        return groups, columns
+            columns["waves_outside"] = self._results["waves_outside"]
+        if self.scenario.failure.any:
+            columns["failed"] = self._results["failed"]
+        return Layout(self._buffer, groups, columns)
+
+    def _gather(self) -> None:
+        """Put the arrays that an info shows side by side in one buffer."""
+        sim = self.sim
+        shown = {name: getattr(sim, name) for name in ("forces", "flow", "waves", "time")}
+        self._buffer, views = side_by_side({**shown, "terms": self.terms, "results": self._results})
+        self.terms, self._results = views.pop("terms"), views.pop("results")
+        sim.replace(**views)
+        results = self._results
+        self.rewards, self.errors = results["reward"], results["error"]
+        self.terminated, self.truncated = results["terminated"], results["truncated"]
+        self.elapsed, self.outcomes = results["elapsed"], results["outcome"]
+        self.power, self.energy = results["power"], results["energy"]
+        self.cost, self.success = results["cost"], results["success"]
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without the views of the info: a copy would lose their tie to what they look at."""
-        return {key: value for key, value in self.__dict__.items() if key != "_views"}
+        """Without the views and what is made of the arrays: a copy would lose their ties."""
+        made = ("_layout", "_buffer")
+        kept = {key: value for key, value in self.__dict__.items() if key not in made}
+        return kept | {"_made": None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """With views of its own results; of the type that numba knows by its identity."""
+        """With arrays side by side again; of the type that numba knows by its identity."""
         self.__dict__.update(state)
         self.tasks = self.tasks.astype(bridge.record_dtype(self.task), copy=False)
         self._results = self._results.astype(bridge.RESULT_DTYPE, copy=False)
-        self._name_results()
-
-    def _failed(self) -> dict[str, np.ndarray]:
-        """Whether the failure of the scenario has begun; empty without one."""
-        return {"failed": self.elapsed >= self._fails_at} if self.scenario.failure.any else {}
+        self._gather()

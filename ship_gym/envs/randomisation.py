@@ -41,6 +41,8 @@ class ShipDraws:
     spread : Randomisation
     records : numpy.ndarray
         Ships of the simulation, shape (n,), which `draw` writes to.
+    period : int
+        Ships i and i + period are the same one.
 
     Attributes
     ----------
@@ -51,8 +53,9 @@ class ShipDraws:
         factor.
     """
 
-    def __init__(self, spread: Randomisation, records: np.ndarray):
-        self._spread, self._records, self._nominal = spread, records, records.copy()
+    def __init__(self, spread: Randomisation, records: np.ndarray, period: int):
+        self._spread, self._records = spread, records
+        self._nominal, self._period = records[:period].copy(), period
         names: list[str] = []
         if spread.surrogate_std > 0.0:
             names += [f"surrogate.{name}" for name in SURROGATE_DRAWS]
@@ -76,7 +79,7 @@ class ShipDraws:
         """
         if not self.names:
             return
-        self._records[which] = self._nominal[which]
+        self._records[which] = self._nominal[which % self._period]
         for k, name in enumerate(self.names):
             section, _, quantity = name.partition(".")
             value = self._value(section, uniform[:, k])
@@ -99,11 +102,12 @@ class ShipDraws:
         """Factor of the sensors' noise of some episodes."""
         return self.values[which, -1] if "sensors" in self.names else 1.0
 
-    def rudder_rate(self, which: np.ndarray) -> np.ndarray:
-        """Rudder rate of some episodes [rad/s] with everything in order."""
-        nominal = self._nominal["gear"]["rate"][which]
-        k = self.names.index("gear") if "gear" in self.names else None
-        return nominal if k is None else nominal * self.values[which, k]
+    def set_rudder_rate(self, which: np.ndarray) -> None:
+        """Give some ships the rudder rate that they have with everything in order."""
+        rate = self._nominal["gear"]["rate"][which % self._period]
+        if "gear" in self.names:
+            rate = rate * self.values[which, self.names.index("gear")]
+        self._records["gear"]["rate"][which] = rate
 
     def drawn(self) -> dict[str, np.ndarray]:
         """What was drawn by name, arrays of shape (n,)."""

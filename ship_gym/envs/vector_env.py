@@ -6,20 +6,18 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from ship_gym.config import ConfigError, check_known, check_number
-from ship_gym.conventions import FLOW_OF_UNITS, N_FLOW
 from ship_gym.envs.env import Given, action_space, observation_space, resolved_fleet, with_steps
 from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.envs.info import Info
 from ship_gym.envs.start_options import start_options
+from ship_gym.envs.streams import Streams
 from ship_gym.envs.view import Screen
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
-
-_OF_UNITS = frozenset(FLOW_OF_UNITS[N_FLOW:])  # columns that only ships with two propellers have
 
 
 class ShipVectorEnv(VectorEnv):
@@ -44,6 +42,9 @@ class ShipVectorEnv(VectorEnv):
         Threads or not; None: from 2048 environments on. Same numbers.
     max_episode_steps : int, optional
         Control intervals of an episode, instead of what the scenario's duration says.
+    copy : bool
+        Whether observations, rewards and infos stay as they are. If False they are the batch's own
+        arrays, which the next step or reset overwrites (an info counts when it is looked at).
     """
 
     metadata = {  # noqa: RUF012  Gymnasium's own form
@@ -65,8 +66,10 @@ class ShipVectorEnv(VectorEnv):
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         parallel: bool | None = None,
         max_episode_steps: int | None = None,
+        copy: bool = True,
     ):
         super().__init__()
+        self._copy = bool(copy)
         if render_mode is not None:
             check_known("render_mode of a vector environment", render_mode, ("rgb_array",))
         self.num_envs = int(check_number("num_envs", num_envs, 1, 10**7))
@@ -84,12 +87,9 @@ class ShipVectorEnv(VectorEnv):
         self.single_action_space = action_space(self.scenario)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._generators: list[np.random.Generator | None] = [None] * self.num_envs
-        self._used_seeds: list[int | None] = [None] * self.num_envs
+        self._streams = Streams(self.num_envs)
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
         self._everyone = np.ones(self.num_envs, dtype=np.bool_)
-        self._two = np.array([ship.propellers == 2 for ship in self.episodes.ships])
-
         shown = self.num_envs if render_mode else 0
         self._screens = [Screen(render_mode, self.episodes, i) for i in range(shown)]
 
@@ -105,13 +105,13 @@ class ShipVectorEnv(VectorEnv):
 
     @property
     def np_random(self) -> tuple[np.random.Generator | None, ...]:
-        """Generator of each environment; None before the first reset."""
-        return tuple(self._generators)
+        """Generator of each environment as it is now, a copy; None before the first reset."""
+        return self._streams.generators()
 
     @property
     def np_random_seed(self) -> tuple[int | None, ...]:
         """Seed of each environment, seed + i; None before the first reset."""
-        return tuple(self._used_seeds)
+        return tuple(self._streams.seeds)
 
     def reset(
         self,
@@ -125,11 +125,9 @@ class ShipVectorEnv(VectorEnv):
         """
         given = start_options(options, self.num_envs, also=("reset_mask",))
         mask = self._reset_mask(options)
-        for i, s in enumerate(self._seeds(seed)):
-            if mask[i] and (s is not None or self._generators[i] is None):
-                self._generators[i], self._used_seeds[i] = seeding.np_random(s)
+        self._streams.seed(self._seeds(seed), mask)
         self._begin(mask, given)
-        return self.episodes.observations.copy(), self._infos(mask)
+        return self._seen(), self._infos(mask)
 
     def step(self, actions):
         """Sail one control interval in every environment, with resets as the mode says."""
@@ -160,8 +158,8 @@ class ShipVectorEnv(VectorEnv):
             self._begin(ended)
         terminated, truncated = episodes.terminated.copy(), episodes.truncated.copy()
         self._ended = terminated | truncated
-        infos = self._infos(self._everyone)
-        return episodes.observations.copy(), episodes.rewards.copy(), terminated, truncated, infos
+        rewards = episodes.rewards.copy() if self._copy else episodes.rewards
+        return self._seen(), rewards, terminated, truncated, self._infos(self._everyone)
 
     def _plain_step(self, actions):
         """Step; in SAME_STEP mode an episode that ends is reset at once, its end kept in info."""
@@ -173,21 +171,23 @@ class ShipVectorEnv(VectorEnv):
             )
         episodes.step(actions)
         self._follow()
-        rewards = episodes.rewards.copy()
         terminated, truncated = episodes.terminated.copy(), episodes.truncated.copy()
         ended = terminated | truncated
-        infos: dict[str, Any] = {}
+        begins = self.autoreset_mode is AutoresetMode.SAME_STEP and ended.any()
+        rewards = episodes.rewards.copy() if self._copy or begins else episodes.rewards
+        final: dict[str, Any] = {}
         if self.autoreset_mode is AutoresetMode.DISABLED:
             self._ended = ended
-        elif ended.any():
-            infos = self._final_infos(ended)
+        elif begins:
+            final = self._final_infos(ended)
             self._begin(ended)
-        infos.update(self._infos(self._everyone))
-        return episodes.observations.copy(), rewards, terminated, truncated, infos
+        infos = self._infos(self._everyone)
+        infos.update(final)
+        return self._seen(), rewards, terminated, truncated, infos
 
     def _begin(self, mask: np.ndarray, given: Mapping[str, np.ndarray] | None = None) -> None:
         which = np.flatnonzero(mask)
-        draws = np.stack([self._generators[i].random(self.episodes.n_draws) for i in which])
+        draws = self._streams.random(which, self.episodes.n_draws)
         given = {name: values[which] for name, values in (given or {}).items()}
         self.episodes.start(which, draws, given)
         self._ended[which] = False
@@ -229,8 +229,12 @@ class ShipVectorEnv(VectorEnv):
             )
         return mask
 
-    def _infos(self, mask: np.ndarray) -> dict[str, Any]:
-        return _masked(self.episodes.info(), mask.copy(), self._two)
+    def _seen(self) -> np.ndarray:
+        observations = self.episodes.observations
+        return observations.copy() if self._copy else observations
+
+    def _infos(self, mask: np.ndarray) -> Info:
+        return self.episodes.info(mask.copy(), self._copy)
 
     def _final_infos(self, ended: np.ndarray) -> dict[str, Any]:
         final = np.full(self.num_envs, None, dtype=object)
@@ -239,7 +243,7 @@ class ShipVectorEnv(VectorEnv):
         return {
             "final_obs": final,
             "_final_obs": ended.copy(),
-            "final_info": _masked(self.episodes.info(), ended, self._two),
+            "final_info": self.episodes.info(ended),
             "_final_info": ended.copy(),
         }
 
@@ -250,22 +254,3 @@ def _mode(mode: str | AutoresetMode) -> AutoresetMode:
     except ValueError:
         allowed = ", ".join(repr(m.value) for m in AutoresetMode)
         raise ConfigError(f"autoreset_mode = {mode!r}: allowed is {allowed}") from None
-
-
-def _masked(info: dict[str, Any], mask: np.ndarray, two: np.ndarray) -> dict[str, Any]:
-    """Gymnasium's form: each key with a ``_key`` mask; rows outside the mask are zero.
-
-    Loads of each propeller are there where the ship has `two`.
-    """
-    result: dict[str, Any] = {}
-    for key, value in info.items():
-        rows = mask & two if key in _OF_UNITS else mask
-        if isinstance(value, dict):
-            result[key] = _masked(value, mask, two)
-        else:
-            if not rows.all():
-                value = value.copy()
-                value[~rows] = 0
-            result[key] = value
-        result[f"_{key}"] = rows
-    return result

@@ -67,8 +67,7 @@ try:
         def define_pipelines(self):
             pipeline = DefaultPassBuilder.define_nopython_pipeline(self.state)
             pipeline.passes = [
-                (lowering if one is NativeLowering else one, text)
-                for one, text in pipeline.passes
+                (lowering if one is NativeLowering else one, text) for one, text in pipeline.passes
             ]
             pipeline._finalized = False
             pipeline.finalize()

@@ -10,9 +10,10 @@ from __future__ import annotations
 import contextlib
 import functools
 import hashlib
-import os
-from collections.abc import Callable, Iterator
+import types
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numba
 
@@ -20,7 +21,13 @@ from ship_gym.physics._cache import cache_folder
 from ship_gym.physics._compiler import LOOP, PART, keep_part
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-_KERNEL_SOURCES = ("conventions.py", "physics/*.py", "tracks/*.py", "tasks/**/*.py")
+_KERNEL_SOURCES = (
+    "conventions.py",
+    "physics/*.py",
+    "tracks/*.py",
+    "tasks/**/*.py",
+    "envs/interval.py",
+)
 
 
 def source_hash() -> str:
@@ -35,7 +42,6 @@ def source_hash() -> str:
 _CACHE_FOLDER = cache_folder(source_hash())
 
 
-@functools.cache
 def _beside(folder: Path) -> str:
     """Hash of the Python files in a folder of a user, whose kernels may use each other."""
     digest = hashlib.sha256()
@@ -45,16 +51,26 @@ def _beside(folder: Path) -> str:
     return digest.hexdigest()[:16]
 
 
+def _has_file(function: Callable) -> bool:
+    return Path(function.__code__.co_filename).exists()
+
+
+def _file_of_user(function: Callable) -> Path | None:
+    """File of a function, None if it is one of the package or none."""
+    file = Path(function.__code__.co_filename)
+    if not file.exists() or file.resolve().is_relative_to(_PACKAGE):
+        return None
+    return file.resolve()
+
+
 @contextlib.contextmanager
 def _own_cache(kind: str, function: Callable) -> Iterator[None]:
     """Let numba put this function's cache into our folder; leave other users' setting alone.
 
-    numba's cache key does not hold the `parallel` flag, hence one folder for each kind; a function
-    of a user's file has one for all that lies beside that file.
+    A function of a user's file has one for all that lies beside that file.
     """
-    file = Path(function.__code__.co_filename)
-    if file.exists() and not file.resolve().is_relative_to(_PACKAGE):
-        kind = f"{kind}-{_beside(file.resolve().parent)}"
+    if (file := _file_of_user(function)) is not None:
+        kind = f"{kind}-{_beside(file.parent)}"
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(Path(_CACHE_FOLDER) / kind)
     try:
@@ -114,29 +130,45 @@ def loop(function):
         return numba.njit(function, cache=True, nogil=True, **_PLAIN, **LOOP)
 
 
-def batch(function):
-    """Compile a loop over ships twice: ``(serial, parallel)``; `numba.prange` marks the loop."""
-    with _own_cache("parallel", function):
-        parallel = numba.njit(function, cache=True, error_model="numpy", parallel=True)
-    return loop(function), parallel
+def specialised(function: Callable, name: str, **kernels: Callable) -> Callable:
+    """A loop whose calls of the names `kernels` go to the kernels given; compiled as `loop` does.
+
+    numba looks up the names of a function when it compiles it, so a copy of the function with other
+    globals is another loop of the same source. Its machine code is kept under `name` and, where a
+    kernel is one of a user's file, a hash of what lies beside that file. That of kernels without a
+    file or with variables of a function around them is not kept.
+
+    Parameters
+    ----------
+    function : callable
+        Of the package, not yet compiled.
+    name : str
+        Of the copy, other than those of all other copies.
+    kernels : callable
+    """
+    sources = [getattr(kernel, "py_func", kernel) for kernel in kernels.values()]
+    outside = {file for source in sources if (file := _file_of_user(source)) is not None}
+    if outside:
+        digest = hashlib.sha256()
+        for file in sorted(outside):
+            digest.update(f"{file} {_beside(file.parent)}\n".encode())
+        for source in sources:
+            digest.update(f"{source.__qualname__}\n".encode())
+        name = f"{name}_{digest.hexdigest()[:16]}"
+    made = types.FunctionType(function.__code__, {**function.__globals__, **kernels}, name)
+    made.__qualname__, made.__doc__ = name, function.__doc__
+    kept = all(_has_file(source) and source.__closure__ is None for source in sources)
+    with _own_cache("serial", function):
+        return numba.njit(made, cache=kept, nogil=True, **_PLAIN, **LOOP)
 
 
-prange = numba.prange
+def direct(function: Callable, arguments: Sequence[Any]) -> Callable:
+    """The machine code of a compiled function for arguments of the types of these.
 
-_threads_lost = False
-
-
-def _after_fork() -> None:
-    """Remember a fork of a process whose threads run: GNU OpenMP would end the child at once."""
-    global _threads_lost
-    with contextlib.suppress(ValueError):  # no threads yet, the child may start its own
-        _threads_lost = numba.threading_layer() == "omp"
-
-
-if hasattr(os, "register_at_fork"):  # not on Windows, which cannot fork
-    os.register_at_fork(after_in_child=_after_fork)
-
-
-def threads_work() -> bool:
-    """Whether this process may run the parallel version of a loop."""
-    return not _threads_lost
+    A call of it saves numba's search for the version that fits, 0.1 to 0.5 us for each array; types
+    are not checked, so it is for arrays that stay. Python's own function, where nothing is compiled
+    (``NUMBA_DISABLE_JIT=1``).
+    """
+    if not hasattr(function, "compile"):
+        return function
+    return function.compile(tuple(numba.typeof(argument) for argument in arguments))

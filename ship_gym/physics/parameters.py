@@ -11,7 +11,6 @@ out what belongs to it: two propellers, one of four wake laws, drawn surrogates 
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import NamedTuple
 
 import numpy as np
 
@@ -130,3 +129,15 @@ def of_lane(x, i, traits, common):
     if traits.each is None:
         return common
     return ship_at(x, i, traits)
+
+
+def _fill_lane():
+    """Function that writes a record's parameters into a lane, its text written from the columns."""
+    lines = [f"    x.ship[{k}, i] = record.{'.'.join(place)}" for k, place in enumerate(COLUMNS)]
+    scope: dict = {}
+    exec("def fill_lane(x, i, record):\n" + "\n".join(lines) + "\n", scope)
+    return inlined(scope["fill_lane"])
+
+
+fill_lane = _fill_lane()
+"""``fill_lane(x, i, record)``: write the parameters of a ship's record into lane i."""

@@ -6,8 +6,6 @@ overlap. A lane is a ship's place in it.
 
 from __future__ import annotations
 
-import threading
-
 import numpy as np
 
 from ship_gym.physics.parameters import N_PARAMETERS
@@ -58,11 +56,6 @@ def in_lines(values: np.ndarray) -> np.ndarray:
     return found
 
 
-_of_thread = threading.local()
-
-
-def own_scratch() -> np.ndarray:
-    """Scratch of the calling thread, shape (1,)."""
-    if not hasattr(_of_thread, "scratch"):
-        _of_thread.scratch = in_lines(np.zeros(1, SCRATCH))
-    return _of_thread.scratch
+def scratch_for(threads: int) -> np.ndarray:
+    """Scratch of a number of threads, shape (threads,)."""
+    return in_lines(np.zeros(threads, SCRATCH))

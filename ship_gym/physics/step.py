@@ -29,7 +29,7 @@ from ship_gym.physics.integrate import (
     set_controls,
     set_now,
 )
-from ship_gym.physics.parameters import N_PARAMETERS, of_lane, ship_at
+from ship_gym.physics.parameters import Traits, fill_lane, of_lane, ship_at
 from ship_gym.physics.quantities import Body, Controls, Force, Motion, Tables
 from ship_gym.physics.scratch import LANES
 from ship_gym.physics.waves import WAVE_AHEAD, WAVE_N, WAVE_X, WAVE_Y, Waves, wave_loads
@@ -45,12 +45,10 @@ class HeldLoads(NamedTuple):
 
 
 class Water(NamedTuple):
-    """What surrounds the ships of a batch.
+    """What surrounds the ships of a batch, beside their seas' records.
 
     Attributes
     ----------
-    seas : structured ndarray (n,)
-        ``ship_gym.sea.records.SEA_DTYPE``.
     waves : Waves
     winds : ndarray (kinds, count, 3)
         Wind coefficients; ``seas.wind_table`` selects.
@@ -60,7 +58,6 @@ class Water(NamedTuple):
         ``disturbance.disturbance_forces``; H = 0 where no ship is disturbed.
     """
 
-    seas: np.ndarray
     waves: Waves
     winds: np.ndarray
     gusts: np.ndarray
@@ -68,33 +65,44 @@ class Water(NamedTuple):
     harmonics: np.ndarray
 
 
-class Course(NamedTuple):
-    """Ships under way, one row each; everything but commands, clock and ships is written.
+class Fleet(NamedTuple):
+    """Everything of n ships that a step reads and writes.
 
     Attributes
     ----------
-    states : ndarray (n, 8)
+    state : ndarray (n, 8)
     commands : ndarray (n, 2)
-    times : ndarray (n,)
+    time : ndarray (n,)
         Own time of each ship [s].
     clock : ndarray (n, 2)
         Integration step [s] and number of steps of each interval.
-    ships, parameters : structured ndarray (n,), ndarray (n, 2 + N_PARAMETERS)
-        Records of the ships, and the same as numbers.
+    ships, seas : structured ndarray (n,)
+        ``ships.records.SHIP_DTYPE``, ``sea.records.SEA_DTYPE``.
     forces, flow, met : ndarray (n, N_FORCES, 3), ndarray (n, 7 or 19), ndarray (n, 10)
-        Of the first integration step: own forces and flow at its start, those from outside at its
-        middle; `met`, the waves, ``waves.WaveState``, at the end of the interval.
+        Of the first integration step: own forces and flow at its start, those from outside during
+        it; `met`, what the waves do, ``waves.WaveState``, at the end of the interval.
+    tables : Tables
+        Of all kinds of ships: open water (kinds, count, 2), surrogate (kinds, 2, ..., 11);
+        ``ships.kind`` selects.
+    traits : parameters.Traits
+    water : Water
+    scratch : structured ndarray (threads,)
+        ``physics.scratch.SCRATCH``; each thread has its own.
     """
 
-    states: np.ndarray
+    state: np.ndarray
     commands: np.ndarray
-    times: np.ndarray
+    time: np.ndarray
     clock: np.ndarray
     ships: np.ndarray
-    parameters: np.ndarray
+    seas: np.ndarray
     forces: np.ndarray
     flow: np.ndarray
     met: np.ndarray
+    tables: Tables
+    traits: Traits
+    water: Water
+    scratch: np.ndarray
 
 
 NOTHING = Force(0.0, 0.0, 0.0)
@@ -107,7 +115,7 @@ if (*OwnForces._fields, *HeldLoads._fields) != FORCE_COMPONENTS:
 
 
 @kernel
-def held_loads(time, dt, body, water, ship, met, x):
+def held_loads(time, dt, body, sea, water, ship, met, x):
     """What is held during an integration step, as it is at its middle.
 
     Parameters
@@ -116,6 +124,7 @@ def held_loads(time, dt, body, water, ship, met, x):
         Start and length of the step [s].
     body : Body
         At its start.
+    sea : record
     water : Water
     ship : int
         Row of the ship.
@@ -124,7 +133,6 @@ def held_loads(time, dt, body, water, ship, met, x):
     x : record
         Scratch.
     """
-    sea = water.seas[ship]
     wave, wind, disturbance = NOTHING, NOTHING, NOTHING
     if sea.wavy == 1:
         wave = Force(met[WAVE_X], met[WAVE_Y], met[WAVE_N])
@@ -141,9 +149,8 @@ def held_loads(time, dt, body, water, ship, met, x):
 
 
 @kernel
-def see(time, dt, body, water, ship, x, met):
+def see(time, dt, body, sea, water, ship, x, met):
     """Write what waves do to one ship into `met`: motion now, drift during the coming `dt` [s]."""
-    sea = water.seas[ship]
     if sea.wavy == 1:
         found = wave_loads(time, dt, body, sea, water.waves, ship, x.wave)
         for k in range(len(found)):
@@ -160,65 +167,64 @@ def state_body(states, ship):
 
 
 @loop
-def see_waves(which, course, water, scratch):
+def see_waves(which, fleet):
     """Refresh `met` of some ships, as after a reset."""
     for ship in which:
-        dt, body = course.clock[ship, 0], state_body(course.states, ship)
-        see(course.times[ship], dt, body, water, ship, scratch[0], course.met[ship])
+        dt, body = fleet.clock[ship, 0], state_body(fleet.state, ship)
+        sea, met = fleet.seas[ship], fleet.met[ship]
+        see(fleet.time[ship], dt, body, sea, fleet.water, ship, fleet.scratch[0], met)
 
 
 @kernel
-def board(x, lo, hi, first, course, traits):
+def board(x, lo, hi, first, fleet):
     """Bring ships from row `first` on into the lanes; returns the largest number of steps."""
     most = 0
     for i in range(lo, hi):
         ship = first + i
         for k in range(6):
-            x.start[k, i] = course.states[ship, k]
-        x.delta[START, i], x.n[START, i] = course.states[ship, DELTA], course.states[ship, N]
-        x.command[0, i], x.command[1, i] = course.commands[ship, 0], course.commands[ship, 1]
-        x.dt[i], x.steps[i] = course.clock[ship, 0], int(course.clock[ship, 1])
-        x.kind[i] = course.ships[ship].kind
+            x.start[k, i] = fleet.state[ship, k]
+        x.delta[START, i], x.n[START, i] = fleet.state[ship, DELTA], fleet.state[ship, N]
+        x.command[0, i], x.command[1, i] = fleet.commands[ship, 0], fleet.commands[ship, 1]
+        x.dt[i], x.steps[i] = fleet.clock[ship, 0], int(fleet.clock[ship, 1])
+        x.kind[i] = fleet.ships[ship].kind
         most = max(most, x.steps[i])
-        if traits.each is not None or i == lo:
-            x.ship[0, i] = course.parameters[ship, 0]
-            for k in range(1, N_PARAMETERS):
-                x.ship[k, i] = course.parameters[ship, k + 1]
+        if fleet.traits.each is not None or i == lo:
+            fill_lane(x, i, fleet.ships[ship])
     return most
 
 
 @kernel
-def load_lanes(x, lo, hi, first, step, course, water):
+def load_lanes(x, lo, hi, first, step, fleet):
     """Loads and current of every lane for its next step; those of the first one are kept."""
     for i in range(lo, hi):
         ship = first + i
-        sea, met, dt = water.seas[ship], course.met[ship], x.dt[i]
-        time = course.times[ship] + step * dt
+        sea, met, dt = fleet.seas[ship], fleet.met[ship], x.dt[i]
+        time = fleet.time[ship] + step * dt
         vary_current(time, sea)
         x.current[0, i], x.current[1, i] = sea.V_north, sea.V_east
         body = body_of(x.start, i)
         if sea.wavy == 1 and met[WAVE_AHEAD] != dt:  # the interval has changed
-            see(time, dt, body, water, ship, x, met)
-        held = held_loads(time, dt, body, water, ship, met, x)
+            see(time, dt, body, sea, fleet.water, ship, x, met)
+        held = held_loads(time, dt, body, sea, fleet.water, ship, met, x)
         for k in range(3):
             x.load[k, i] = held.wave[k] + held.wind[k] + held.disturbance[k]
         if step == 0:
             for k in range(3):
-                course.forces[ship, OUTSIDE, k] = held.wave[k]
-                course.forces[ship, OUTSIDE + 1, k] = held.wind[k]
-                course.forces[ship, OUTSIDE + 2, k] = held.disturbance[k]
+                fleet.forces[ship, OUTSIDE, k] = held.wave[k]
+                fleet.forces[ship, OUTSIDE + 1, k] = held.wind[k]
+                fleet.forces[ship, OUTSIDE + 2, k] = held.disturbance[k]
 
 
 @kernel
-def report(x, lo, hi, first, course, traits):
+def report(x, lo, hi, first, fleet):
     """Write own forces and flow of every lane, which are those at the start of the interval."""
-    common = ship_at(x, lo, traits)
+    common = ship_at(x, lo, fleet.traits)
     for i in range(lo, hi):
         ship = first + i
-        parameters = of_lane(x, i, traits, common)
+        parameters = of_lane(x, i, fleet.traits, common)
         for k in range(OUTSIDE):
             for axis in range(3):
-                course.forces[ship, k, axis] = x.own[3 * k + axis, i]
+                fleet.forces[ship, k, axis] = x.own[3 * k + axis, i]
         q = x.units
         units = Units(
             Loading(q[0, i], q[1, i], q[2, i], q[3, i], q[4, i]),
@@ -227,8 +233,8 @@ def report(x, lo, hi, first, course, traits):
         u_c, v_c = water_velocity(x.start[PSI, i], Current(x.current[0, i], x.current[1, i]))
         motion = Motion(x.start[U, i] - u_c, x.start[V, i] - v_c, x.start[R, i])
         flow = flow_of(motion, Controls(x.delta[START, i], x.n[START, i]), units, parameters)
-        for k in range(course.flow.shape[1]):
-            course.flow[ship, k] = flow[k]
+        for k in range(fleet.flow.shape[1]):
+            fleet.flow[ship, k] = flow[k]
 
 
 @kernel
@@ -242,26 +248,26 @@ def move(x, lo, hi, step):
 
 
 @kernel
-def look(x, lo, hi, first, step, course, water):
+def look(x, lo, hi, first, step, fleet):
     """What waves do to every lane that sails this step, at its end."""
     for i in range(lo, hi):
         if step < x.steps[i]:
             ship, dt = first + i, x.dt[i]
-            time = course.times[ship] + (step + 1) * dt
-            see(time, dt, body_of(x.start, i), water, ship, x, course.met[ship])
+            time, sea, met = fleet.time[ship] + (step + 1) * dt, fleet.seas[ship], fleet.met[ship]
+            see(time, dt, body_of(x.start, i), sea, fleet.water, ship, x, met)
 
 
 @kernel
-def land(x, lo, hi, first, course):
+def land(x, lo, hi, first, fleet):
     """Write the states back and let time go on; returns how many of the lanes' are finite."""
     alive = 0
     for i in range(lo, hi):
         ship, total = first + i, abs(x.delta[START, i]) + abs(x.n[START, i])
         for k in range(6):
-            course.states[ship, k] = x.start[k, i]
+            fleet.state[ship, k] = x.start[k, i]
             total += abs(x.start[k, i])
-        course.states[ship, DELTA], course.states[ship, N] = x.delta[START, i], x.n[START, i]
-        course.times[ship] += x.dt[i] * x.steps[i]
+        fleet.state[ship, DELTA], fleet.state[ship, N] = x.delta[START, i], x.n[START, i]
+        fleet.time[ship] += x.dt[i] * x.steps[i]
         alive += 1 if math.isfinite(total) else 0
     return alive
 
@@ -275,8 +281,8 @@ BACK = (0.0, -6.0, 0.0)
 
 
 @kernel
-def sail_block(x, lo, hi, first, course, water, tables, traits):
-    """Advance some ships by one control interval; the first lane holds the ship of row `first`.
+def sail_block(x, lo, hi, first, fleet):
+    """Advance some ships by one control interval.
 
     Parameters
     ----------
@@ -286,44 +292,50 @@ def sail_block(x, lo, hi, first, course, water, tables, traits):
         First lane, and the one after the last.
     first : int
         Row of the ship in lane 0.
-    course : Course
-    water : Water
-    tables : Tables
-        Of all kinds of ships: open water (kinds, count, 2), surrogate (kinds, 2, ..., 11).
-    traits : parameters.Traits
+    fleet : Fleet
 
     Returns
     -------
     int
         Number of ships whose new state is finite.
     """
-    most = board(x, lo, hi, first, course, traits)
+    traits, most = fleet.traits, board(x, lo, hi, first, fleet)
     for step in range(most):
-        load_lanes(x, lo, hi, first, step, course, water)
+        load_lanes(x, lo, hi, first, step, fleet)
         begin_step(x, lo, hi)
         for stage in range(len(WHEN)):
             set_now(x, lo, hi, WHEN[stage])
-            ask(x, lo, hi, WEIGHT[stage], REACH[stage], BACK[stage], tables, traits)
+            ask(x, lo, hi, WEIGHT[stage], REACH[stage], BACK[stage], fleet.tables, traits)
             if stage == 0:
                 set_controls(x, lo, hi, traits)
                 if step == 0:
-                    report(x, lo, hi, first, course, traits)
+                    report(x, lo, hi, first, fleet)
         move(x, lo, hi, step)
-        look(x, lo, hi, first, step, course, water)
-    return land(x, lo, hi, first, course)
+        look(x, lo, hi, first, step, fleet)
+    return land(x, lo, hi, first, fleet)
 
 
 @kernel
-def sail(first, last, course, water, tables, traits, scratch):
-    """As `sail_block`, of the rows from `first` to `last`."""
-    x, alive = scratch[0], 0
+def thread_of(row, n, threads):
+    """Which of the threads has a row, where ``_threads.parts_of`` shares n rows among them."""
+    blocks = (n + LANES - 1) // LANES
+    parts = max(min(threads, blocks), 1)
+    return ((row // LANES + 1) * parts - 1) // blocks
+
+
+@kernel
+def sail(first, last, fleet):
+    """Advance the ships from `first` up to `last` by one control interval, in place.
+
+    Returns how many of them have a finite new state.
+    """
+    x, alive = fleet.scratch[thread_of(first, fleet.state.shape[0], fleet.scratch.shape[0])], 0
     for begin in range(first, last, LANES):
-        count = min(LANES, last - begin)
-        alive += sail_block(x, 0, count, begin, course, water, tables, traits)
+        alive += sail_block(x, 0, min(LANES, last - begin), begin, fleet)
     return alive
 
 
 @loop
-def sail_rows(first, last, course, water, tables, traits, scratch):
-    """`sail` for a caller in Python."""
-    return sail(first, last, course, water, tables, traits, scratch)
+def sail_rows(first, last, fleet):
+    """`sail` for a caller in Python; the rows are those of one thread."""
+    return sail(first, last, fleet)

@@ -118,8 +118,6 @@ class Sums(NamedTuple):
     yaw_rate: float
 
 
-
-
 @kernel
 def relative_heading(psi, direction):
     """Mu = psi - wave_direction_to in [0, pi] and the side, 1 or -1, on which the waves come in."""
@@ -224,7 +222,9 @@ def of_wave(eight, lane, time, dt, path, components, phase, response, now, later
     c, s = a * c, a * s
     re, im = mixed(response, now, eight, SWAY, lane), mixed(response, now, eight, SWAY_, lane)
     sway, sway_velocity = re * c - im * s, -omega_e * (re * s + im * c)
-    roll = mixed(response, now, eight, ROLL, lane) * c - mixed(response, now, eight, ROLL_, lane) * s
+    roll = (
+        mixed(response, now, eight, ROLL, lane) * c - mixed(response, now, eight, ROLL_, lane) * s
+    )
     re, im = mixed(response, now, eight, YAW, lane), mixed(response, now, eight, YAW_, lane)
     yaw, yaw_rate = re * c - im * s, -omega_e * (re * s + im * c)
     c_q, s_q = cos_sin_of_turns(0.25 * dt * _PER_TURN * omega_e)
@@ -233,7 +233,10 @@ def of_wave(eight, lane, time, dt, path, components, phase, response, now, later
     c2, s2 = c1 * c_h - s1 * s_h, s1 * c_h + c1 * s_h
     if mean:
         c1, s1, c2, s2 = a * a, 0.0, a * a, 0.0
-    X, Y = mixed(response, later, eight, DRIFT_X, lane), mixed(response, across, eight, DRIFT_Y, lane)
+    X, Y = (
+        mixed(response, later, eight, DRIFT_X, lane),
+        mixed(response, across, eight, DRIFT_Y, lane),
+    )
     N = mixed(response, across, eight, DRIFT_N, lane)
     return Sums(
         X * c1, X * s1, Y * c1, Y * s1, N * c1, N * s1, c1, s1,

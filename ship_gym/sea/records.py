@@ -44,37 +44,40 @@ _FIRST = 0.4  # omega_1 T: 90 % of the spectrum's variance lies below the last h
 SEA_DTYPE = np.dtype(
     (
         np.record,
-        np.dtype([
-            # what every step reads stands together, in the first cache lines
-            ("V_north", np.float64),  # current now, and its mean and slow variation
-            ("V_east", np.float64),
-            ("disturbed", np.int64),
-            ("wavy", np.int64),
-            ("windy", np.int64),
-            ("variation", np.float64),
-            ("response", np.int64),
-            ("wind_table", np.int64),
-            ("omega_1", np.float64),
-            ("Y_std", np.float64),
-            ("N_std", np.float64),
-            ("mean_north", np.float64),
-            ("mean_east", np.float64),
-            ("variation_omega", np.float64),
-            ("variation_phase", np.float64),
-            ("drift", np.float64),  # 1 with drift, 0 without
-            ("mean_drift", np.int64),
-            ("speed_step", np.float64),  # of the response table, and its largest [m/s]
-            ("speed_max", np.float64),
-            ("waves_outside", np.float64),  # share of the waves' energy outside the table
-            ("A_F", np.float64),  # areas and length that the wind sees [m2], [m]
-            ("A_L", np.float64),
-            ("L_oa", np.float64),
-            ("wind_north", np.float64),  # mean wind velocity [m/s]
-            ("wind_east", np.float64),
-            ("gust_scale", np.float64),  # of the shares of the gusts' harmonics
-            ("wave_share", np.float64),  # height of the waves by that of their components
-            ("wave_to", np.float64),  # where they go to, from north [rad]
-        ], align=True),
+        np.dtype(
+            [
+                # what every step reads stands together, in the first cache lines
+                ("V_north", np.float64),  # current now, and its mean and slow variation
+                ("V_east", np.float64),
+                ("disturbed", np.int64),
+                ("wavy", np.int64),
+                ("windy", np.int64),
+                ("variation", np.float64),
+                ("response", np.int64),
+                ("wind_table", np.int64),
+                ("omega_1", np.float64),
+                ("Y_std", np.float64),
+                ("N_std", np.float64),
+                ("mean_north", np.float64),
+                ("mean_east", np.float64),
+                ("variation_omega", np.float64),
+                ("variation_phase", np.float64),
+                ("drift", np.float64),  # 1 with drift, 0 without
+                ("mean_drift", np.int64),
+                ("speed_step", np.float64),  # of the response table, and its largest [m/s]
+                ("speed_max", np.float64),
+                ("waves_outside", np.float64),  # share of the waves' energy outside the table
+                ("A_F", np.float64),  # areas and length that the wind sees [m2], [m]
+                ("A_L", np.float64),
+                ("L_oa", np.float64),
+                ("wind_north", np.float64),  # mean wind velocity [m/s]
+                ("wind_east", np.float64),
+                ("gust_scale", np.float64),  # of the shares of the gusts' harmonics
+                ("wave_share", np.float64),  # height of the waves by that of their components
+                ("wave_to", np.float64),  # where they go to, from north [rad]
+            ],
+            align=True,
+        ),
     )
 )
 
@@ -124,9 +127,7 @@ class Waters:
     @property
     def arrays(self) -> Water:
         """As the kernels take it."""
-        return Water(
-            self.records, self.waves, self.winds, self.gusts, self.gust_phases, self.harmonics
-        )
+        return Water(self.waves, self.winds, self.gusts, self.gust_phases, self.harmonics)
 
     def waves_of(self, ship: int) -> np.ndarray:
         """The waves of one ship as they are, shape (5, N), rows of ``physics.waves``.
@@ -228,7 +229,9 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
     offsets, groups, columns = _in_eights(first.direction)
     count = 8 * int(groups[-1])
     waves = Waves(
-        components=_filled(np.array(components), columns, count) if components else np.zeros((1, 3, 0)),
+        components=_filled(np.array(components), columns, count)
+        if components
+        else np.zeros((1, 3, 0)),
         offsets=offsets,
         groups=groups,
         response=_eight_by_eight(_filled(_stacked(responses), columns, count))

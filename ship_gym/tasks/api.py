@@ -22,7 +22,7 @@ from ship_gym.tasks.base import (
     Task,
     Term,
 )
-from ship_gym.tasks.bridge import N_BRIDGE, clipped, observe_batch, observe_bridge, settle
+from ship_gym.tasks.bridge import N_BRIDGE, clipped, observe_bridge, settle
 from ship_gym.tasks.rewards import costs
 
 __all__ = [
@@ -53,7 +53,6 @@ __all__ = [
     "costs",
     "kernel",
     "measures",
-    "observe_batch",
     "observe_bridge",
     "settle",
     "water_velocity",

@@ -189,8 +189,9 @@ def _no_end(*_: Any) -> str:
 class Task:
     """One task.
 
-    Kernels (``ship_gym.tasks.bridge`` has what they share; ``tasks/heading/kernels.py`` is the
-    shortest example) are loops over ships, and so is everything that a step calls.
+    Kernels are functions of one ship (``ship_gym.tasks.bridge`` has what they share;
+    ``tasks/heading/kernels.py`` is the shortest example): they read and write rows and records of
+    it, and whatever else a kernel calls is a kernel. The loop over ships is ``envs.interval``.
 
     Attributes
     ----------
@@ -219,14 +220,17 @@ class Task:
         ``fill(scenario, tasks)`` writes the task's own fields once; speed and length of the ship
         are in the records.
     begin : callable or None
-        ``begin(which, tasks, plans)``: kernel that begins episodes whose plans are written.
+        Kernel ``begin(task, plan)`` that begins an episode whose plan is written.
     observe : callable
-        Kernel, see ``bridge.observe_batch``.
+        Kernel ``observe(state, waves, command, ship, sea, task, interval, row)`` that writes the
+        rows of the bridge and its own, see ``bridge.observe_bridge``.
     judge : callable
-        Kernel, see ``tasks.heading.kernels.judge_batch``.
+        Kernel ``judge(state, before, sea, task, plan, terms, result)`` of the interval just sailed:
+        states at its end and at its start; it ends with ``bridge.settle``, which writes `terms` and
+        `result`. It may write to the record `task`, such as the next order.
     error : callable or None
-        ``error(which, states, tasks, errors)``: kernel that writes the error of some episodes at
-        their start.
+        Kernel ``error(state, task)``: the error at the start of an episode, in the unit of that of
+        `judge`.
     sees_position : bool
         Whether the observation needs the position, so that its noise is drawn.
     check : callable

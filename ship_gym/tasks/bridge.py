@@ -1,8 +1,6 @@
 """What every task has in common: commands, the measurements of a bridge, how an interval ends.
 
-Scalar kernels and the loops over them; the scalar environment is a batch of one. The loops are
-serial: they take a fraction of the physics, and each start of threads is a place to wait where
-cores are shared.
+Kernels of one ship; the loop over ships that calls them is ``envs.interval``.
 """
 
 from __future__ import annotations
@@ -111,17 +109,30 @@ RESULT_DTYPE = np.dtype(
                 ("error", np.float64),  # in the unit of the task
                 ("power", np.float64),  # delivered at the start of the interval [W]
                 ("energy", np.float64),  # since the reset [J]
+                ("psi_ordered", np.float64),  # now, as in the record of the episode [rad]
+                ("waves_outside", np.float64),  # as in the record of the sea
                 ("cost", np.float64),  # safety cost: 1 for a saturated rudder or a failure
                 ("elapsed", np.int64),  # intervals since the reset
                 ("outcome", np.int64),
                 ("terminated", np.bool_),
                 ("truncated", np.bool_),
                 ("success", np.bool_),
+                ("failed", np.bool_),  # whether the failure of the scenario has begun
             ],
             align=True,
         ),
     )
 )
+
+
+@kernel
+def clear(result):
+    """Make a result that of an episode which has just begun; nothing has failed."""
+    result.reward, result.error = 0.0, 0.0
+    result.power, result.energy, result.cost = 0.0, 0.0, 0.0
+    result.elapsed, result.outcome = 0, RUNNING
+    result.terminated, result.truncated, result.success = False, False, False
+    result.failed = False
 
 
 @kernel
@@ -131,34 +142,43 @@ def clipped(value, low, high):
 
 
 @kernel
-def command_batch(actions, states, ships, tasks, commands, before):
-    """Actions in [-1, 1] to commands: rudder / delta_max and, if there, rpm.
+def command(action, ship, task):
+    """Rudder [rad] and propeller speed [rev/s] of an action in [-1, 1].
 
-    The latter over [-astern n_max, n_max], but no further astern than the engine goes. Keeps the
-    states at the start of the interval in `before`. Returns how many rows are finite.
+    That is rudder / delta_max and, if there, rpm over [-astern n_max, n_max], but no further astern
+    than the engine goes.
     """
-    good = 0
-    for i in range(actions.shape[0]):
-        for k in range(states.shape[1]):
-            before[i, k] = states[i, k]
-        commands[i, 0] = clipped(actions[i, 0], -1.0, 1.0) * ships[i].gear.delta_max
-        n = tasks[i].n_order
-        finite = math.isfinite(actions[i, 0])
-        if actions.shape[1] > 1:
-            astern, engine = tasks[i].astern, ships[i].engine
-            share = 0.5 * (clipped(actions[i, 1], -1.0, 1.0) + 1.0) * (1.0 + astern) - astern
-            n = max(share * engine.n_max, -min(engine.n_astern, tasks[i].n_limit))
-            finite = finite and math.isfinite(actions[i, 1])
-        commands[i, 1] = min(n, tasks[i].n_limit)
-        good += 1 if finite else 0
-    return good
+    n = task.n_order
+    if len(action) > 1:
+        astern, engine = task.astern, ship.engine
+        share = 0.5 * (clipped(action[1], -1.0, 1.0) + 1.0) * (1.0 + astern) - astern
+        n = max(share * engine.n_max, -min(engine.n_astern, task.n_limit))
+    return clipped(action[0], -1.0, 1.0) * ship.gear.delta_max, min(n, task.n_limit)
 
 
 @kernel
 def observe_bridge(state, waves, command, ship, sea, task, interval, row):
     """Write the measurements of one ship into `row`, limited to their declared bounds.
 
-    Returns what `measured` saw.
+    That is what a task without rows of its own observes.
+
+    Parameters
+    ----------
+    state : ndarray (8,)
+    waves : ndarray (9,)
+        ``physics.waves.WAVE_NAMES``.
+    command : ndarray (2,)
+        Rudder [rad], propeller speed [rev/s].
+    ship, sea, task : record
+        Of the ship, of its sea, of the episode (`record_dtype`).
+    interval : int
+        Intervals sailed since the reset.
+    row : ndarray (rows,)
+        Of the observation, float32; its first columns are written.
+
+    Returns
+    -------
+    Measured
     """
     seen = measured(state, waves, sea, task, interval)
     psi_e = wrapped(seen.psi - task.psi_ordered)
@@ -176,18 +196,6 @@ def observe_bridge(state, waves, command, ship, sea, task, interval, row):
     for k in range(N_BRIDGE):
         row[k] = clipped(values[k], _LOW[k], _HIGH[k])
     return seen
-
-
-@kernel
-def observe_batch(states, waves, commands, ships, seas, tasks, elapsed, observations):
-    """Observation of every ship, float32, into the first columns: what a task without rows of its
-    own observes.
-    """
-    for i in range(states.shape[0]):
-        observe_bridge(
-            states[i], waves[i], commands[i], ships[i], seas[i], tasks[i], elapsed[i],
-            observations[i],
-        )  # fmt: skip
 
 
 @kernel
@@ -238,55 +246,47 @@ def is_ship(u, v, r, sea, task):
 
 
 @kernel
-def account_batch(states, before, flow, ships, seas, tasks, failed, reached, results, diverged):
-    """Write what an interval has cost into the results, and mark ships that are none any more.
-
-    Power is that at the start of the interval, of which torque and propeller speed `before` are.
-    Success is to reach the aim of a task that has one, else the end of the episode.
-
-    Parameters
-    ----------
-    failed, reached : ndarray (outcomes,)
-        Which outcomes are failures, and which the aim; none of the latter: a task without.
-    diverged : ndarray (n,)
-        Written: where a state is not finite, or none of a ship (`is_ship`).
-
-    Returns
-    -------
-    int
-        How many have diverged; -1: an outcome that the task does not name.
-    """
-    has_aim, lost = reached.any(), 0
-    for i in range(states.shape[0]):
-        result, task = results[i], tasks[i]
-        if result.outcome < 0 or result.outcome >= len(failed):
-            return -1
-        total = 0.0
-        for k in range(states.shape[1]):
-            total += states[i, k]
-        good = is_ship(states[i, U], states[i, V], states[i, R], seas[i], task)
-        diverged[i] = not (good and math.isfinite(total))
-        lost += 1 if diverged[i] else 0
-        result.power = 0.0 if diverged[i] else shaft_power(before[i, N], flow[i, FLOW_TORQUE])
-        result.energy += max(result.power, 0.0) * task.dt  # a driven shaft gives nothing back
-        failure = failed[result.outcome]
-        saturated = abs(states[i, DELTA]) >= SATURATED * ships[i].gear.delta_max
-        result.cost = 1.0 if saturated or failure else 0.0
-        if has_aim:
-            result.success = reached[result.outcome]
-        else:
-            result.success = result.truncated and not failure
-    return lost
+def whole(state, sea, task):
+    """Whether a state is finite and one of a ship (`is_ship`)."""
+    total = 0.0
+    for k in range(len(state)):
+        total += state[k]
+    return is_ship(state[U], state[V], state[R], sea, task) and math.isfinite(total)
 
 
 @kernel
-def end_diverged(which, tasks, terms, results):
-    """End the episodes of some ships as diverged: nothing is paid for the interval but failing."""
-    last = terms.shape[1] - 1
-    for i in which:
-        result = results[i]
-        terms[i, :last] = 0.0
-        terms[i, last] = -tasks[i].termination
-        result.reward = terms[i, last]
-        result.terminated, result.success = True, False
-        result.outcome, result.cost = DIVERGED, 1.0
+def account(state, before, flow, ship, task, good, failure, success, result):
+    """Write what an interval has cost one ship into its result.
+
+    Power is that at the start of the interval, of which torque and propeller speed `before` are.
+
+    Parameters
+    ----------
+    state, before : ndarray (8,)
+        At the end of the interval and at its start.
+    flow : ndarray
+        At the start, ``conventions.FLOW_OF_UNITS``.
+    ship, task : record
+    good : bool
+        Whether the ship is one still, see `whole`.
+    failure, success : bool
+        Whether the episode ends by a failure, and as it should.
+    result : record
+    """
+    result.power = shaft_power(before[N], flow[FLOW_TORQUE]) if good else 0.0
+    result.energy += max(result.power, 0.0) * task.dt  # a driven shaft gives nothing back
+    saturated = abs(state[DELTA]) >= SATURATED * ship.gear.delta_max
+    result.cost = 1.0 if saturated or failure else 0.0
+    result.success = success
+
+
+@kernel
+def end_diverged(task, terms, result):
+    """End the episode of one ship as diverged: nothing is paid for the interval but failing."""
+    last = len(terms) - 1
+    for k in range(last):
+        terms[k] = 0.0
+    terms[last] = -task.termination
+    result.reward = terms[last]
+    result.terminated, result.success = True, False
+    result.outcome, result.cost = DIVERGED, 1.0

@@ -53,30 +53,28 @@ _SEA = len(OBSERVATIONS) - len(_FORCES)
 
 
 @kernel
-def observe_batch(states, forces, ships, seas, tasks, first, observations):
-    """Write sea and forces of every ship from column `first` on; zero forces after a reset."""
-    for i in range(states.shape[0]):
-        sea, ship, task, psi = seas[i], ships[i], tasks[i], states[i, PSI]
-        c, s = math.cos(psi), math.sin(psi)
-        u_c, v_c = water_velocity(psi, sea)
-        wet = 1.0 if task.wave_height > 0.0 else 0.0
-        mu = psi - task.wave_to
-        values = (
-            u_c / task.speed,
-            v_c / task.speed,
-            (sea.wind_north * c + sea.wind_east * s) / task.speed,
-            (sea.wind_east * c - sea.wind_north * s) / task.speed,
-            task.wave_height / ship.hull.d,
-            task.wave_period * math.sqrt(G / task.L) / (2.0 * math.pi),
-            wet * math.sin(mu),
-            wet * math.cos(mu),
-        )
-        for k in range(_SEA):
-            observations[i, first + k] = clipped(values[k], _LOW[k], _HIGH[k])
-        unit = 0.5 * ship.rho * task.L * ship.hull.d * task.speed * task.speed
-        for k in range(forces.shape[1]):
-            for axis in range(3):
-                share = forces[i, k, axis] / (unit * task.L if axis == 2 else unit)
-                observations[i, first + _SEA + 3 * k + axis] = clipped(
-                    share, _LOW[_SEA + 3 * k + axis], _HIGH[_SEA + 3 * k + axis]
-                )
+def observe(state, forces, ship, sea, task, first, row):
+    """Write sea and forces of one ship from column `first` on; zero forces after a reset."""
+    psi = state[PSI]
+    c, s = math.cos(psi), math.sin(psi)
+    u_c, v_c = water_velocity(psi, sea)
+    wet = 1.0 if task.wave_height > 0.0 else 0.0
+    mu = psi - task.wave_to
+    values = (
+        u_c / task.speed,
+        v_c / task.speed,
+        (sea.wind_north * c + sea.wind_east * s) / task.speed,
+        (sea.wind_east * c - sea.wind_north * s) / task.speed,
+        task.wave_height / ship.hull.d,
+        task.wave_period * math.sqrt(G / task.L) / (2.0 * math.pi),
+        wet * math.sin(mu),
+        wet * math.cos(mu),
+    )
+    for k in range(_SEA):
+        row[first + k] = clipped(values[k], _LOW[k], _HIGH[k])
+    unit = 0.5 * ship.rho * task.L * ship.hull.d * task.speed * task.speed
+    for k in range(forces.shape[0]):
+        for axis in range(3):
+            share = forces[k, axis] / (unit * task.L if axis == 2 else unit)
+            column = _SEA + 3 * k + axis
+            row[first + column] = clipped(share, _LOW[column], _HIGH[column])

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from ship_gym.conventions import PSI, R, U, V, X, Y
 from ship_gym.physics._kernel import kernel
+from ship_gym.physics.angles import cos_sin_of_turns
 from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.waves import WAVE_SWAY, WAVE_SWAY_VELOCITY, WAVE_YAW, WAVE_YAW_RATE
 
@@ -47,8 +48,8 @@ def normal_pair(key, interval, pair):
     first = mixed_bits(mixed_bits(key) ^ ((interval * _PAIRS + pair + 1) & _WORD))
     second = mixed_bits((first + 0x3C6EF372) & _WORD)
     size = math.sqrt(-2.0 * math.log((first + 0.5) / 4294967296.0))
-    angle = 2.0 * math.pi * (second + 0.5) / 4294967296.0
-    return size * math.cos(angle), size * math.sin(angle)
+    c, s = cos_sin_of_turns((second + 0.5) / 4294967296.0)
+    return size * c, size * s
 
 
 @kernel

@@ -36,7 +36,7 @@ OFTEN = {
 
 def same(a, b, path="info"):
     """Bitwise equality of two infos, masks included."""
-    assert type(a) is type(b), path
+    assert type(a) is type(b) or isinstance(a, dict) is isinstance(b, dict) is True, path
     if isinstance(a, dict):
         assert set(a) == set(b), (path, set(a) ^ set(b))
         for key in a:

@@ -64,27 +64,21 @@ def fill(scenario, tasks):
 
 
 @kernel
-def observe(states, waves, commands, ships, seas, tasks, elapsed, observations):
+def observe(state, waves, command, ship, sea, task, interval, row):
     """The bridge, then the error of the yaw rate as measured."""
-    for i in range(states.shape[0]):
-        task = tasks[i]
-        seen = observe_bridge(
-            states[i], waves[i], commands[i], ships[i], seas[i], task, elapsed[i], observations[i]
-        )
-        error = (seen.r - task.order) * task.L / task.speed
-        observations[i, N_BRIDGE] = clipped(error, -5.0, 5.0)
+    seen = observe_bridge(state, waves, command, ship, sea, task, interval, row)
+    error = (seen.r - task.order) * task.L / task.speed
+    row[N_BRIDGE] = clipped(error, -5.0, 5.0)
 
 
 @kernel
-def judge(states, before, seas, tasks, plans, terms, results):
+def judge(state, before, sea, task, plan, terms, result):
     """The error squared; too large an error ends the episode."""
-    for i in range(states.shape[0]):
-        task = tasks[i]
-        error = states[i, R] - task.order
-        outcome = TOO_FAST if abs(error) > task.limit else RUNNING
-        own = (-task.interval * task.rate_error * error * error,)
-        paid = costs(states[i], before[i], seas[i], task, outcome != RUNNING)
-        settle(results[i], terms[i], error, own, paid, outcome, task)
+    error = state[R] - task.order
+    outcome = TOO_FAST if abs(error) > task.limit else RUNNING
+    own = (-task.interval * task.rate_error * error * error,)
+    paid = costs(state, before, sea, task, outcome != RUNNING)
+    settle(result, terms, error, own, paid, outcome, task)
 
 
 def measure(trajectory):

@@ -172,11 +172,11 @@ def test_an_outcome_without_a_name_is_refused(task):
     env = gym.make("ShipGym/NamelessRate-v0", overrides={"limits.error_deg_s": 1e-9})
     with pytest.raises(ConfigError, match="gives outcome 2; named are 0 running, 1 diverged"):
         env.reset(seed=0)
-    env = gym.make("ShipGym/NamelessRate-v0", overrides={"limits.error_deg_s": 0.3001})
+    env = gym.make("ShipGym/NamelessRate-v0", overrides={"limits.error_deg_s": 0.5})
     env.reset(seed=0)
     with pytest.raises(ConfigError, match="gives outcome 2"):
         for _ in range(200):
-            env.step(np.ones(1, np.float32))
+            env.step(-np.ones(1, np.float32))
 
 
 def test_its_class_is_a_name_of_the_package(task):

@@ -12,7 +12,7 @@ from ship_gym.config import check_fields
 from ship_gym.physics.angles import wrapped
 from ship_gym.tasks.base import Moment
 from ship_gym.tasks.course import NAME, VERSION
-from ship_gym.tasks.heading.kernels import FROM, ORDER, begin_batch
+from ship_gym.tasks.heading.kernels import FROM, ORDER, begin
 from ship_gym.tasks.heading.task import TASK as HEADING
 
 
@@ -88,7 +88,7 @@ TASK = dataclasses.replace(
     title="Follow steps of the ordered heading in a seaway.",
     sections={**HEADING.sections, "course": Course},
     plan=Orders,
-    begin=begin_batch,
+    begin=begin,
     page=Path(__file__).with_name("page.md").read_text(encoding="utf-8"),
     example={"sea.states": ["ss5"], "duration": 1200.0},
     moment=Moment("pid", 1, 330),

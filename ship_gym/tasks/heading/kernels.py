@@ -35,6 +35,12 @@ FROM, ORDER = 0, 1
 
 
 @kernel
+def error(state, task):
+    """Heading error [rad] of one ship."""
+    return wrapped(state[PSI] - task.psi_ordered)
+
+
+@kernel
 def give_order(task, plan, k):
     """Make order k of the plan (orders, 2) the ordered heading."""
     task.active = k
@@ -43,31 +49,21 @@ def give_order(task, plan, k):
 
 
 @kernel
-def judge_batch(states, before, seas, tasks, plans, terms, results):
-    """Terms (n, terms) and results (n,) of the interval just sailed, the error [rad] among them.
+def judge(state, before, sea, task, plan, terms, result):
+    """Terms (n,) and result of the interval just sailed by one ship, the error [rad] in it.
 
     It is judged by the order that held during it; then the next one is given, if it is its time.
     """
-    for i in range(states.shape[0]):
-        task = tasks[i]
-        psi_e = wrapped(states[i, PSI] - task.psi_ordered)
-        outcome = HEADING_LIMIT if abs(psi_e) > task.heading_limit else RUNNING
-        own = HeadingTerms(heading=-task.interval * task.heading * psi_e * psi_e)
-        paid = costs(states[i], before[i], seas[i], task, outcome != RUNNING)
-        settle(results[i], terms[i], psi_e, own, paid, outcome, task)
-        if 0.0 < task.next_change <= results[i].elapsed:
-            give_order(task, plans[i], task.active + 1)
+    psi_e = error(state, task)
+    outcome = HEADING_LIMIT if abs(psi_e) > task.heading_limit else RUNNING
+    own = HeadingTerms(heading=-task.interval * task.heading * psi_e * psi_e)
+    paid = costs(state, before, sea, task, outcome != RUNNING)
+    settle(result, terms, psi_e, own, paid, outcome, task)
+    if 0.0 < task.next_change <= result.elapsed:
+        give_order(task, plan, task.active + 1)
 
 
 @kernel
-def begin_batch(which, tasks, plans):
-    """Give the first order of some episodes, whose plans are written."""
-    for i in which:
-        give_order(tasks[i], plans[i], 0)
-
-
-@kernel
-def error_batch(which, states, tasks, errors):
-    """Write the heading errors [rad] of some ships, which are at the start of an episode."""
-    for i in which:
-        errors[i] = wrapped(states[i, PSI] - tasks[i].psi_ordered)
+def begin(task, plan):
+    """Give the first order of an episode, whose plan is written."""
+    give_order(task, plan, 0)

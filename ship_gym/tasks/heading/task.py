@@ -11,7 +11,7 @@ import numpy as np
 from ship_gym.config import ConfigError, check_fields
 from ship_gym.conventions import wrap_angle
 from ship_gym.tasks.base import Moment, Outcome, Start, Task
-from ship_gym.tasks.bridge import observe_batch
+from ship_gym.tasks.bridge import observe_bridge
 from ship_gym.tasks.heading import NAME, VERSION, kernels
 from ship_gym.tasks.heading.metrics import METRICS, measure
 
@@ -75,9 +75,9 @@ TASK = Task(
     outcomes=(Outcome("heading limit", failed=True),),
     fields=kernels.FIELDS,
     fill=fill,
-    observe=observe_batch,
-    judge=kernels.judge_batch,
-    error=kernels.error_batch,
+    observe=observe_bridge,
+    judge=kernels.judge,
+    error=kernels.error,
     check=check,
     history=("psi_ordered",),
     columns=columns,

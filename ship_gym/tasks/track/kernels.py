@@ -94,14 +94,10 @@ N_TRACK = len(OBSERVATIONS)
 
 
 @kernel
-def observe_batch(states, waves, commands, ships, seas, tasks, elapsed, observations):
-    """Observation of every ship, float32, into the columns of bridge and track."""
-    for i in range(states.shape[0]):
-        seen = observe_bridge(
-            states[i], waves[i], commands[i], ships[i], seas[i], tasks[i], elapsed[i],
-            observations[i],
-        )  # fmt: skip
-        observe_track(seen, states[i], tasks[i], observations[i])
+def observe(state, waves, command, ship, sea, task, interval, row):
+    """Observation of one ship, float32, into the columns of bridge and track."""
+    seen = observe_bridge(state, waves, command, ship, sea, task, interval, row)
+    observe_track(seen, state, task, row)
 
 
 @kernel
@@ -150,44 +146,34 @@ def off_leg(state, task):
 
 
 @kernel
-def error_batch(which, states, tasks, errors):
-    """Write the cross-track errors [m] of some ships, which are at the start of an episode."""
-    for i in which:
-        errors[i] = off_leg(states[i], tasks[i])
-
-
-@kernel
-def judge_batch(states, before, seas, tasks, plans, terms, results):
-    """Terms (n, terms) and results (n,) of the interval just sailed, the error [m] among them.
+def judge(state, before, sea, task, plan, terms, result):
+    """Terms (n,) and result of the interval just sailed by one ship, the error [m] in it.
 
     It is judged by the leg that was active during it; then the next leg begins where the ship has
-    reached the circle of acceptance or passed the way-point, and the error in the results is that
+    reached the circle of acceptance or passed the way-point, and the error in the result is that
     from this one, as in the observation. Reaching the last way-point ends the episode as arrived.
     """
-    for i in range(states.shape[0]):
-        task = tasks[i]
-        along, cross, _, length = leg_position(
-            states[i, X], states[i, Y], task.x_a, task.y_a, task.x_b, task.y_b
-        )
-        reached = passed(along, cross, length, task.acceptance) == 1
-        last = task.active + 2 >= task.count
-        outcome = ARRIVED if reached and last else RUNNING
-        if abs(cross) > task.cross_limit:
-            outcome = TRACK_LIMIT
-        error = cross / task.L
-        own = TrackTerms(cross_track=-task.interval * task.cross_track * error * error)
-        paid = costs(states[i], before[i], seas[i], task, outcome == TRACK_LIMIT)
-        settle(results[i], terms[i], cross, own, paid, outcome, task)
-        if reached and not last:
-            sail_leg(task, plans[i], task.active + 1)
-            results[i].error = off_leg(states[i], task)
+    along, cross, _, length = leg_position(
+        state[X], state[Y], task.x_a, task.y_a, task.x_b, task.y_b
+    )
+    reached = passed(along, cross, length, task.acceptance) == 1
+    last = task.active + 2 >= task.count
+    outcome = ARRIVED if reached and last else RUNNING
+    if abs(cross) > task.cross_limit:
+        outcome = TRACK_LIMIT
+    error = cross / task.L
+    own = TrackTerms(cross_track=-task.interval * task.cross_track * error * error)
+    paid = costs(state, before, sea, task, outcome == TRACK_LIMIT)
+    settle(result, terms, cross, own, paid, outcome, task)
+    if reached and not last:
+        sail_leg(task, plan, task.active + 1)
+        result.error = off_leg(state, task)
 
 
 @kernel
-def begin_batch(which, tasks, plans):
-    """Begin the first leg of some episodes, whose plans are written."""
-    for i in which:
-        sail_leg(tasks[i], plans[i], 0)
+def begin(task, plan):
+    """Begin the first leg of an episode, whose plan is written."""
+    sail_leg(task, plan, 0)
 
 
 @kernel
