@@ -73,7 +73,7 @@ def sine(angle):
 
 @kernel
 def arctan2(y, x):
-    """Angle of the vector (x, y) in [-pi, pi] [rad], to 1e-12; 0 of the zero vector, no signed zero.
+    """Angle of the vector (x, y) in [-pi, pi] [rad], to 1e-12; no signed zeros.
 
     The ratio is folded to within tan(pi/8), where a polynomial fitted to atan (minimax) serves.
     """

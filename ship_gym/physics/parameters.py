@@ -1,4 +1,4 @@
-"""Parameters of a ship as kernels read them: named tuples, so that ``ship.hull.L`` stays as it reads.
+"""Parameters of a ship as kernels read them: named tuples, so that it reads ``ship.hull.L``.
 
 Kernels that a loop over ships is made of get a `ShipParameters` whose numbers come from a scratch
 of columns (`ship_at`); whoever has one record of ``ship_gym.ships.records`` may pass that instead,

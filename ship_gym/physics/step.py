@@ -272,8 +272,8 @@ def land(x, lo, hi, first, fleet):
     return alive
 
 
-# The stages of `integrate.ask`, k1 at the start y, k2 at y + dt/2 k1, k3 at y + 2 dt k2 - dt k1 (the
-# sum before it is dt k1 / 6); the step is dt (k1 + 4 k2 + k3) / 6
+# The stages of `integrate.ask`: k1 at the start y, k2 at y + dt/2 k1, k3 at y + 2 dt k2 - dt k1
+# (the sum before it is dt k1 / 6); the step is dt (k1 + 4 k2 + k3) / 6
 WHEN = (START, MIDDLE, END)
 WEIGHT = (1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0)
 REACH = (0.5, 2.0, 0.0)

@@ -46,8 +46,8 @@ class Waves(NamedTuple):
     offsets, groups : ndarray (G,), ndarray of np.uint64 (G + 1,)
         Directions relative to the sea's main one [rad]; first eight of each, and N / 8.
     response : structured ndarray (kinds, speeds, headings, N / 8)
-        `EIGHT_WAVES` of the ship in that sea: what eight waves need lies together. Headings from 0 to pi; sway, roll, yaw and their drift change sign
-        with the side.
+        `EIGHT_WAVES` of the ship in that sea: what eight waves need lies together. Headings from 0
+        to pi; sway, roll, yaw and their drift change sign with the side.
     phases : ndarray (n, N)
         Of each ship [turns].
     """
@@ -62,9 +62,9 @@ class Waves(NamedTuple):
 class WaveState(NamedTuple):
     """What waves do to a ship at one instant.
 
-    Drift X, Y [N], N [N m], its mean over the coming integration step; wave-frequency sway [m], its velocity
-    [m/s], roll, yaw [rad] and yaw rate [rad/s]; how far the ship is faster than its table goes, 0
-    inside; and the length of that step, `ahead` [s].
+    Drift X, Y [N], N [N m], its mean over the coming integration step; wave-frequency sway [m],
+    its velocity [m/s], roll, yaw [rad] and yaw rate [rad/s]; how far the ship is faster than its
+    table goes, 0 inside; and the length of that step, `ahead` [s].
     """
 
     X: float
@@ -327,8 +327,8 @@ def wave_loads(time, dt, body, sea, waves, ship, lanes):
     ``sea.mean_drift`` only the constant part, sum a^2 T.
 
     The drift is the mean of those at a quarter and three quarters of the step, for a ship that goes
-    on as she does: of two such samples a step of 1 s makes no false constant force of the difference
-    frequencies of a seaway, as one would (docs/accuracy.md).
+    on as she does. One sample a second would make a constant force of difference frequencies of
+    2 pi rad/s, which a seaway met at speed has; two do not (docs/accuracy.md).
 
     Parameters
     ----------
