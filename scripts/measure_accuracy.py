@@ -16,7 +16,7 @@ from ship_gym.text import paragraph
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "accuracy.md"
 EXAMPLES = (
     "python scripts/measure_accuracy.py kcs        # one ship, a quarter of a minute",
-    "python scripts/measure_accuracy.py --write    # all, and docs/accuracy.md: two minutes",
+    "python scripts/measure_accuracy.py --write    # all, and docs/accuracy.md: some minutes",
 )
 
 
@@ -45,7 +45,7 @@ def _write(points: list[accuracy.Point]) -> list[str]:
     picture = PAGE.with_suffix(".png")
     plot_accuracy(points, picture)
     host = machine()
-    where = f"Measured at commit {git_commit()[:12]} on one core of {host['processor']}."
+    where = f"Measured at commit {git_commit()} on one core of {host['processor']}."
     write_tables(PAGE, accuracy.tables(points, markdown=True) | {"where": paragraph(where, "")})
     return [str(PAGE), str(picture)]
 

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from ship_gym.plotting.figure import (
     AMBER,
@@ -44,11 +45,11 @@ def plot_accuracy(points: Sequence[Point], path: str | os.PathLike) -> None:
     colours = {name: _COLOURS[k % len(_COLOURS)] for k, name in enumerate(families)}
     with picture(path, 1.5 + 3.6 * len(shown), 7.0) as figure:
         details = (
-            f"largest of each of {SHIPS} ships in {LEG * LEGS} default steps against 1/32 of the "
-            "default step; marks from left to right: 2, 1 (large), 1/2, 1/4, 1/8 default steps"
+            f"largest heading error of each of {SHIPS} ships in {LEG * LEGS} default steps against "
+            "1/32 of that step; marks from left to right: 2, 1 (large), 1/2, 1/4, 1/8 default steps"
         )
         headline(figure, "Error of the integration step and its cost", details)
-        grid = figure.subplots(2, len(shown), squeeze=False, sharey="row")
+        grid = figure.subplots(2, len(shown), squeeze=False, sharex=True, sharey="row")
         for column, condition in enumerate(shown):
             here = [p for p in points if p.condition == condition.name]
             for axes, size in zip(grid[:, column], _LIMITS, strict=True):
@@ -57,7 +58,7 @@ def plot_accuracy(points: Sequence[Point], path: str | os.PathLike) -> None:
             grid[1, column].set_xlabel("processor time of a ship for one default step [us]")
         for axes, size in zip(grid[:, 0], _LIMITS, strict=True):
             axes.set_ylabel(f"heading error, {_NAMES[size]} [deg]")
-        grid[0, -1].legend(ncols=2, loc="upper right")
+        grid[0, 0].legend(ncols=2, loc="upper right")
 
 
 def _family(ship: str) -> str:
@@ -78,4 +79,7 @@ def _lines(axes: Axes, points: Sequence[Point], size: str, colours: dict[str, st
         axes.plot([x[k] for k in default], [y[k] for k in default], "o", color=style["color"])
     axes.axhline(_LIMITS[size], color=FAINT, linestyle=DASHED, linewidth=1.0)
     axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_yscale("log")
