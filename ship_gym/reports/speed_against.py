@@ -13,6 +13,7 @@ from typing import Any
 
 import ship_gym
 from ship_gym.config import ConfigError, check_known
+from ship_gym.reports.speed import import_time
 from ship_gym.reports.speed_child import MEASURES, SHIP_ENV
 from ship_gym.text import table
 
@@ -164,17 +165,43 @@ def _starts(sides: dict[str, Path], best: dict) -> None:
                     _keep(best, f"start, {name}", side, used)
 
 
-def start_time(checkout: Path, cache: str) -> float:
-    """Processor time [s] of a fresh process up to its first step, compiled code in `cache`."""
+def start_time(checkout: Path, cache: str | None = None) -> float:
+    """Processor time [s] of a fresh process up to its first step; compiled code is in `cache`."""
     before = os.times()
     subprocess.run(
         [sys.executable, "-c", _FIRST_STEP],
-        env=_environment(checkout, NUMBA_CACHE_DIR=cache),
+        env=_environment(checkout, **({"NUMBA_CACHE_DIR": cache} if cache else {})),
         check=True,
         capture_output=True,
     )
     after = os.times()
     return sum(after[2:4]) - sum(before[2:4])
+
+
+def memory(n: int, ship: str) -> dict[str, float | None]:
+    """Bytes of one environment more in a fresh process, see ``speed_child.memory``."""
+    child = Child(HERE)
+    try:
+        return child.ask(name="memory", n=n, ship=str(ship))
+    finally:
+        child.close()
+
+
+def start_times(cold: bool) -> dict[str, float]:
+    """Wall time [s] of the import; processor time [s] up to the first step in a fresh process.
+
+    Parameters
+    ----------
+    cold : bool
+        Also the first time after installation, which compiles everything.
+    """
+    found = {"import, wall": import_time()}
+    with tempfile.TemporaryDirectory(prefix="ship_gym-") as folder:
+        if cold:
+            found["first step after installation, processor"] = start_time(HERE, folder)
+        cache = {"cache": folder} if cold else {}
+        found["first step later, processor"] = min(start_time(HERE, **cache) for _ in range(3))
+    return found
 
 
 def as_text(data: dict[str, Any]) -> str:

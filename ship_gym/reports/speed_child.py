@@ -96,35 +96,65 @@ def best_of(work: Work, repeats: int, seconds: float) -> dict[str, float]:
 
 
 def rough_sea(wave_count: int = 60) -> ship_gym.Sea:
-    """Sea state 5 with gusts and a current: the weather of the default environment, held fixed."""
-    calm = ship_gym.Sea(current_speed=1.0, current_direction_to=1.5)
-    if wave_count == 0:
-        sea = ship_gym.load_sea("ss5")
-        return dataclasses.replace(
-            calm, wind_speed=sea.wind_speed, wind_direction_from=1.0, gusts=True
-        )
-    return dataclasses.replace(
+    """Sea state 5 with gusts and a current, as the default environment has them, held fixed.
+
+    Parameters
+    ----------
+    wave_count : int
+        Regular waves that the sea is made of; 0: wind and current only.
+    """
+    sea = dataclasses.replace(
         ship_gym.load_sea("ss5"),
-        current_speed=calm.current_speed,
-        current_direction_to=calm.current_direction_to,
+        current_speed=1.0,
+        current_direction_to=1.5,
         wave_direction_to=1.0,
-        wave_count=wave_count,
         wind_direction_from=1.0 - np.pi,
         gusts=True,
     )
+    given = {"wave_count": wave_count} if wave_count else {"waves": ()}
+    return dataclasses.replace(sea, **given)
 
 
-def physics(n: int, sea: ship_gym.Sea, parallel: bool = False, ship: Any = "kcs") -> Work:
-    """``ShipSim.step`` of n ships by one control interval (1 s at full scale), random rudders."""
+def physics(
+    n: int, sea: ship_gym.Sea, parallel: bool = False, ship: Any = "kcs", seconds: float = 1.0
+) -> Work:
+    """``ShipSim.step`` of n ships under random rudder commands.
+
+    Parameters
+    ----------
+    n : int
+    sea : Sea
+        At full scale.
+    parallel : bool
+    ship : str, path or Ship
+    seconds : float
+        Interval at full scale [s]; a model gets it Froude-scaled, with her sea.
+    """
     ship = ship_gym.load_ship(ship)
-    sim = ship_gym.ShipSim(ship, n, sea, parallel)
+    sim = ship_gym.ShipSim(ship, n, sea.scaled(ship.scale), parallel)
     sim.reset(0)
-    dt = ship_gym.ShipEnv(ship=ship, scenario="heading_calm").scenario.control_interval
+    dt = seconds / ship.time_unit
     random = np.random.default_rng(0)
     rudder = random.uniform(-1.0, 1.0, (_PREPARED, n)) * ship.gear.delta_max
     order = np.broadcast_to(sim.state[:, -1], (_PREPARED, n))
     commands = np.stack([rudder, order], axis=-1)
     return Work(lambda k: sim.step(commands[k % _PREPARED], dt), n, lambda: sim.reset(0), EPISODE)
+
+
+def reference(n: int) -> Work:
+    """Sail n ships by Nomoto's equation of first order in NumPy: a yardstick that nobody changes."""
+    random = np.random.default_rng(0)
+    deltas = random.uniform(-0.6, 0.6, (_PREPARED, n))
+    r, psi, north, east = np.zeros((4, n))
+
+    def step(k: int) -> None:
+        for _ in range(4):
+            r[:] += 0.25 * (0.05 * deltas[k % _PREPARED] - r) / 60.0
+            psi[:] += 0.25 * r
+            north[:] += 0.25 * 7.0 * np.cos(psi)
+            east[:] += 0.25 * 7.0 * np.sin(psi)
+
+    return Work(step, n)
 
 
 def vector(env_id: str, n: int, look: bool = False, **given: Any) -> Work:
@@ -181,7 +211,7 @@ def resets(n: int, **given: Any) -> Work:
 
 def scalar(env: gym.Env, look: bool = False) -> Work:
     """Steps of a scalar environment, without its resets; an episode must last `_SCALAR` steps."""
-    actions = balancing(env) if env.spec.id == YARDSTICK else random_actions(env)
+    actions = balancing(env) if env.spec and env.spec.id == YARDSTICK else random_actions(env)
 
     def steps(k: int) -> None:
         for action in actions:
@@ -233,6 +263,7 @@ MEASURES: dict[str, tuple[bool, Callable[[int, Any], Work]]] = {
     "CartPole scalar": (False, lambda n, s: scalar(gym.make(YARDSTICK).unwrapped)),
     "CartPole scalar, gym.make": (False, lambda n, s: scalar(gym.make(YARDSTICK))),
     "CartPole vector": (False, lambda n, s: vector(YARDSTICK, n)),
+    "NumPy reference": (False, lambda n, s: reference(n)),
     "calm, threads": (True, lambda n, s: physics(n, ship_gym.Sea(), True, s)),
     "waves, threads": (True, lambda n, s: physics(n, rough_sea(), True, s)),
     "heading, threads": (True, lambda n, s: vector(SHIP_ENV, n, ship=s, parallel=True)),
