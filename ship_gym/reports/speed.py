@@ -19,7 +19,7 @@ from ship_gym.config import ConfigError
 from ship_gym.envs.env import ShipEnv
 from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.envs.vector_env import ShipVectorEnv
-from ship_gym.provenance import provenance
+from ship_gym.provenance import atomic_path, provenance
 from ship_gym.reports.speed_child import (
     SHIP_ENV,
     YARDSTICK,
@@ -206,8 +206,8 @@ def machine() -> dict[str, Any]:
 BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
 
 
-def write_into(page: str | os.PathLike, text: str) -> None:
-    """Replace what a Markdown page holds between its two marks by a block of text.
+def parts_of_page(page: str | os.PathLike) -> tuple[str, str]:
+    """What a Markdown page holds before and after its figures, which stand between two marks.
 
     Raises
     ------
@@ -220,5 +220,13 @@ def write_into(page: str | os.PathLike, text: str) -> None:
     _, end, after = rest.partition(END)
     if not (begin and end):
         raise ConfigError(f"--page {page}: must be a page with the marks {BEGIN} and {END}")
-    made = f"{before}{BEGIN}\n\n```text\n{text}\n```\n\n{END}{after}"
-    page.write_text(made, encoding="utf-8")
+    return before, after
+
+
+def write_into(page: str | os.PathLike, text: str) -> None:
+    """Replace the figures of a page, see `parts_of_page`, by a block of text."""
+    before, after = parts_of_page(page)
+    with atomic_path(page) as temporary:
+        temporary.write_text(
+            f"{before}{BEGIN}\n\n```text\n{text}\n```\n\n{END}{after}", encoding="utf-8"
+        )

@@ -55,7 +55,10 @@ class Child:
         answer = self._process.stdout.readline()
         if not answer:
             raise ConfigError(f"speed of {asked['name']!r}: the process that measures it has ended")
-        return json.loads(answer)
+        found = json.loads(answer)
+        if "error" in found:
+            raise ConfigError(f"speed of {asked['name']!r}: {found['error']}")
+        return found
 
     def close(self) -> None:
         """End it."""
@@ -178,11 +181,11 @@ def start_time(checkout: Path, cache: str | None = None) -> float:
     return sum(after[2:4]) - sum(before[2:4])
 
 
-def memory(n: int, ship: str) -> dict[str, float | None]:
+def memory(n: int, **env: Any) -> dict[str, float | None]:
     """Bytes of one environment more in a fresh process, see ``speed_child.memory``."""
     child = Child(HERE)
     try:
-        return child.ask(name="memory", n=n, ship=str(ship))
+        return child.ask(name="memory", n=n, **env)
     finally:
         child.close()
 

@@ -69,29 +69,26 @@ def best_of(work: Work, repeats: int, seconds: float) -> dict[str, float]:
         ``processor`` and ``wall`` time [s] of one item; ``spread_percent`` of the processor time,
         100 (slowest - best) / best.
     """
-    trial = 0.0
-    for _ in range(3):  # compile, warm up, estimate
-        work.prepare()
-        start = time.perf_counter()
-        work.call(0)
-        trial = time.perf_counter() - start
-    calls = min(max(1, int(seconds / max(trial, 1e-7))), work.longest)
-    processor, wall, done = [], [], 1
-    for _ in range(repeats):
+    calls, done = 1, work.longest
+    processor: list[float] = []
+    wall: list[float] = []
+    for k in range(-3, repeats):  # three of one call each, to compile, warm up and estimate
         if done + calls > work.longest:
             work.prepare()
             done = 0
         start = time.process_time(), time.perf_counter()
-        for k in range(calls):
-            work.call(k)
+        for i in range(calls):
+            work.call(i)
         processor.append(time.process_time() - start[0])
         wall.append(time.perf_counter() - start[1])
         done += calls
-    best, items = max(min(processor), 1e-9), calls * work.items
+        if k == -1:
+            calls = min(max(1, int(seconds / max(wall[-1], 1e-7))), work.longest)
+    best, items = max(min(processor[3:]), 1e-9), calls * work.items
     return {
         "processor": best / items,
-        "wall": min(wall) / items,
-        "spread_percent": 100.0 * (max(processor) / best - 1.0),
+        "wall": min(wall[3:]) / items,
+        "spread_percent": 100.0 * (max(processor[3:]) / best - 1.0),
     }
 
 
@@ -142,7 +139,7 @@ def physics(
 
 
 def reference(n: int) -> Work:
-    """Sail n ships by Nomoto's equation of first order in NumPy: a yardstick that nobody changes."""
+    """Sail n ships by Nomoto's equation in NumPy: a yardstick that nobody changes."""
     random = np.random.default_rng(0)
     deltas = random.uniform(-0.6, 0.6, (_PREPARED, n))
     r, psi, north, east = np.zeros((4, n))
@@ -316,8 +313,14 @@ def _filled(cell: Any) -> bool:
         return False
 
 
-def memory(n: int = 4096, ship: Any = "kcs") -> dict[str, float | None]:
+def memory(n: int = 4096, **env: Any) -> dict[str, float | None]:
     """Bytes that one environment more takes: the growth from 64 environments to 64 + n.
+
+    Parameters
+    ----------
+    n : int
+    **env
+        Arguments of the environment.
 
     Returns
     -------
@@ -332,8 +335,8 @@ def memory(n: int = 4096, ship: Any = "kcs") -> dict[str, float | None]:
             SHIP_ENV,
             num_envs=count,
             vectorization_mode="vector_entry_point",
-            ship=ship,
             parallel=False,
+            **env,
         )
         envs.reset(seed=0)
         envs.step(np.zeros(envs.action_space.shape, np.float32))
@@ -390,14 +393,19 @@ def _serve() -> None:
     kept: dict = {}
     answers, sys.stdout = sys.stdout, sys.stderr  # whatever prints does not disturb
     for line in sys.stdin:
-        asked = json.loads(line)
-        if asked["name"] == "where":
-            found = {"file": ship_gym.__file__}
-        elif asked["name"] == "memory":
-            found = memory(asked["n"], asked["ship"])
-        else:
-            found = measure(**asked, kept=kept)
+        try:
+            found = _answer(json.loads(line), kept)
+        except ValueError as error:  # a ConfigError of whatever checkout
+            found = {"error": str(error)}
         print(json.dumps(found), file=answers, flush=True)
+
+
+def _answer(asked: dict, kept: dict) -> dict:
+    if asked["name"] == "where":
+        return {"file": ship_gym.__file__}
+    if asked["name"] == "memory":
+        return memory(**{key: value for key, value in asked.items() if key != "name"})
+    return measure(**asked, kept=kept)
 
 
 if __name__ == "__main__":

@@ -71,10 +71,12 @@ def command(as_json, quick, full, plot, page, against, n, only, task, **options)
         raise click.UsageError("--only goes with --against")
     if plot is not None:
         need("matplotlib")
-    data = measured("quick" if quick else "full" if full else "default", task, options)
     from ship_gym.reports import speed
     from ship_gym.reports.speed_text import as_text
 
+    if page is not None:
+        speed.parts_of_page(page)  # refuses before the work
+    data = measured("quick" if quick else "full" if full else "default", task, options)
     text = as_text(data)
     if page is not None:
         speed.write_into(page, text)
@@ -97,7 +99,6 @@ def measured(depth: str, task: str | None, options: dict[str, Any]) -> dict[str,
     name = own_task(task)
     env = wanted(options, name)
     resolved(env, name)
-    ship = env.get("ship") or "kcs"
     jobs = list(speed.jobs(**how["tables"], **env))
     rows = [speed.measure(job, *how["best"]) for job in progress(jobs, "measuring")]
     by_table = {t: [r for r in rows if r["table"] == t] for t in ("steps", "growth", "waves")}
@@ -110,7 +111,7 @@ def measured(depth: str, task: str | None, options: dict[str, Any]) -> dict[str,
             speed.overhead(each, *how["overhead"], **rest)
             for each in progress(scenarios, "beside the physics")
         ],
-        "memory": {} if task else speed_against.memory(how["memory"], ship),
+        "memory": {} if task else speed_against.memory(how["memory"], **env),
         "peers": speed_peers.measure_peers(*how["best"]),
         "training": _training(how["rollouts"], env),
         "start": {} if depth == "quick" else speed_against.start_times(depth == "full"),
