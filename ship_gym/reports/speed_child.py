@@ -28,6 +28,7 @@ SHIP_ENV = "ShipGym/HeadingKeeping-v0"
 YARDSTICK = "CartPole-v1"
 EPISODE = 600  # control intervals of SHIP_ENV
 _PREPARED = 32  # different action batches, drawn before the clock starts
+_MORE = 20  # times as many repeats, at most, where each is short
 _SCALAR = 200  # steps of a scalar environment between two resets, which are not timed
 
 
@@ -72,7 +73,9 @@ def best_of(work: Work, repeats: int, seconds: float) -> dict[str, float]:
     calls, done = 1, work.longest
     processor: list[float] = []
     wall: list[float] = []
-    for k in range(-3, repeats):  # three of one call each, to compile, warm up and estimate
+    left = 3  # of one call each, to compile, warm up and estimate
+    while left > 0:
+        left -= 1
         if done + calls > work.longest:
             work.prepare()
             done = 0
@@ -82,8 +85,11 @@ def best_of(work: Work, repeats: int, seconds: float) -> dict[str, float]:
         processor.append(time.process_time() - start[0])
         wall.append(time.perf_counter() - start[1])
         done += calls
-        if k == -1:
-            calls = min(max(1, int(seconds / max(wall[-1], 1e-7))), work.longest)
+        if len(wall) == 3:
+            calls = max(1, int(seconds / max(wall[-1], 1e-7)))
+            # where `prepare` cuts repeats short there are more of them
+            left = repeats * max(1, min(calls // work.longest, _MORE))
+            calls = min(calls, work.longest)
     best, items = max(min(processor[3:]), 1e-9), calls * work.items
     return {
         "processor": best / items,
