@@ -82,4 +82,8 @@ def _peers(axes: Axes, rows: list[dict[str, Any]]) -> None:
 def _plain(axes: Axes) -> None:
     """Numbers, not powers of ten, on logarithmic axes."""
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+        axis.set_major_formatter(FuncFormatter(lambda x, _: _short(x)))
+
+
+def _short(x: float) -> str:
+    return f"{x / 1000:g} k" if x >= 1000.0 else f"{x:g}"

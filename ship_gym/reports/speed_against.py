@@ -21,6 +21,8 @@ HERE = Path(ship_gym.__file__).resolve().parents[1]
 _CHILD = Path(__file__).with_name("speed_child.py")
 # Ships of a measure that does not go with the n asked for: of these the set-up takes long.
 _FEW = {"heading, ends spread": 1024, "reset": 256}
+# what is not ours
+_SAME = ("CartPole scalar", "CartPole scalar, gym.make", "CartPole vector", "NumPy reference")
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _FIRST_STEP = (
     f"import gymnasium as gym, ship_gym; env = gym.make({SHIP_ENV!r}); env.reset(seed=0); "
@@ -227,9 +229,22 @@ def as_text(data: dict[str, Any]) -> str:
         f"of {', '.join(f'{k}: n = {v}' for k, v in _FEW.items())}",
         "",
         table(["", "unit", "there", "here", "there / here"], cells),
+        *control(data["measures"]),
         *gains(data["measures"]),
     ]
     return "\n".join(lines)
+
+
+def control(measures: dict[str, dict]) -> list[str]:
+    """How far the ratios are to be trusted: those of work that is the same in both checkouts."""
+    found = [measures[name]["ratio"] for name in _SAME if name in measures]
+    if not found:
+        return []
+    return [
+        "",
+        f"control: work that is the same on both sides has ratios from {min(found):.2f} to "
+        f"{max(found):.2f}; the nearer to 1, the quieter the machine was",
+    ]
 
 
 def gains(measures: dict[str, dict]) -> list[str]:

@@ -145,6 +145,12 @@ def test_gain_of_threads_and_ratio_are_there_by_here():
     assert speed_against.gains(measures)[-1].endswith("there 1.50, here 1.80 times one thread")
 
 
+def test_control_is_of_what_is_not_ours():
+    measures = {"calm": {"ratio": 4.0}, "CartPole vector": {"ratio": 0.9}}
+    assert "ratios from 0.90 to 0.90" in speed_against.control(measures)[-1]
+    assert speed_against.control({"calm": {"ratio": 4.0}}) == []
+
+
 def test_another_package_than_asked_for_is_refused(tmp_path):
     (tmp_path / "ship_gym").mkdir()
     with pytest.raises(ConfigError, match="must be a folder"):
