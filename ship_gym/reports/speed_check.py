@@ -18,7 +18,7 @@ from ship_gym.config import ConfigError, check_number
 from ship_gym.reports.speed_child import measure
 from ship_gym.text import table
 
-# The same code on two shared, busy cores differed by up to 18 % between runs; processors differ
+# The same code on two shared, busy cores differed by up to 25 % between runs; processors differ
 # more, by what they make of vector instructions. Half as slow again is no accident.
 MARGIN = 1.5
 N = 4096  # ships of the vector steps
@@ -36,8 +36,8 @@ RATIOS: dict[str, tuple[str, str]] = {
 
 
 def run(
-    rounds: int = 5,
-    seconds: float = 0.1,
+    rounds: int = 15,
+    seconds: float = 0.04,
     progress: Callable[[Iterable, str], Iterable] = lambda rounds, _: rounds,
 ) -> dict[str, float]:
     """Measure everything in turns, for KCS.

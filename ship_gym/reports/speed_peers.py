@@ -23,7 +23,7 @@ _SPAN = 100  # seconds in one call of shipmmg, which integrates a whole history
 
 
 def mmgdynamics() -> Work:
-    """``pstep`` of 1 s with its KVLCC2 of 64 m: one explicit step of its own."""
+    """``pstep`` of 1 s with its KVLCC2 of 64 m, as it integrates itself."""
     import mmgdynamics
     from mmgdynamics.calibrated_vessels import kvlcc2_l64
 

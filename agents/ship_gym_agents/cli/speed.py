@@ -137,7 +137,7 @@ def compare(
     from ship_gym_agents.cli.output import progress, show
 
     folder = speed_against.check_checkout(Path(other))
-    rounds, seconds = (3, 0.05) if quick else (7, 0.2)
+    rounds, seconds = (6, 0.03) if quick else (14, 0.1)
     data = speed_against.against(
         folder, only, n=n, ship=ship, rounds=rounds, seconds=seconds, start=not quick,
         progress=progress,
