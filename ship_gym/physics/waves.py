@@ -48,7 +48,7 @@ class Waves(NamedTuple):
     response : structured ndarray (kinds, speeds, headings, N / 8)
         `EIGHT_WAVES` of the ship in that sea: what eight waves need lies together. Headings from 0
         to pi; sway, roll, yaw and their drift change sign with the side.
-    phases : ndarray (n, N)
+    phases : ndarray of float32 (n, N)
         Of each ship [turns].
     """
 

@@ -149,7 +149,7 @@ class Waters:
         return dataclasses.replace(
             self,
             records=self.records[rows],
-            waves=self.waves._replace(phases=in_lines(np.zeros((n, self.waves.phases.shape[1])))),
+            waves=self.waves._replace(phases=_no_phases(n, self.waves.phases.shape[1])),
             gust_phases=np.zeros((n, self.gust_phases.shape[1])),
             harmonics=np.zeros((n, *self.harmonics.shape[1:])),
         )
@@ -237,7 +237,7 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
         response=_eight_by_eight(_filled(_stacked(responses), columns, count))
         if responses
         else np.zeros((1, 2, 2, 0), EIGHT_WAVES),
-        phases=in_lines(np.zeros((n, count))),
+        phases=_no_phases(n, count),
     )
     gusty = any(s.gusts for s in different)
     return Waters(
@@ -284,6 +284,11 @@ def _in_eights(direction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
     starts = np.repeat(8 * groups[:-1].astype(np.int64), counts)
     within = np.concatenate([np.arange(c) for c in counts]) if len(counts) else np.zeros(0)
     return offsets, groups, starts + within.astype(np.int64)
+
+
+def _no_phases(n: int, count: int) -> np.ndarray:
+    """Phases of n ships; single precision, 4e-7 rad, is half the memory of an environment's sea."""
+    return in_lines(np.zeros((n, count), np.float32))
 
 
 def _filled(values: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
