@@ -74,7 +74,9 @@ SEA_DTYPE = np.dtype(
                 ("wind_east", np.float64),
                 ("gust_scale", np.float64),  # of the shares of the gusts' harmonics
                 ("wave_share", np.float64),  # height of the waves by that of their components
-                ("wave_to", np.float64),  # where they go to, from north [rad]
+                ("wave_to", np.float64),  # where they go to, from north [rad],
+                ("wave_north", np.float64),  # and its cosine and sine: set_direction
+                ("wave_east", np.float64),
             ],
             align=True,
         ),
@@ -233,6 +235,7 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
         if components
         else np.zeros((1, 3, 0)),
         offsets=offsets,
+        turns=np.stack([np.cos(offsets), np.sin(offsets)], axis=1),
         groups=groups,
         response=_eight_by_eight(_filled(_stacked(responses), columns, count))
         if responses
@@ -348,6 +351,7 @@ def _fill_wind(record: np.record, ship: Ship, sea: Sea) -> None:
 
 def _fill_waves(record: np.record, ship: Ship, waves: WaveComponents, kind: int) -> None:
     record["wavy"], record["response"], record["wave_share"] = 1, kind, 1.0
+    record["wave_north"] = 1.0  # until they are set
     record["waves_outside"] = energy_outside(ship, waves)
     record["speed_step"] = SPEED_STEP * math.sqrt(G * ship.hull.L)
     record["speed_max"] = wave_table_of(ship).froude[-1] * math.sqrt(G * ship.hull.L)
