@@ -41,7 +41,7 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet, numbered
 
 PARALLEL_FROM = (
-    2048  # ships; below it waiting for threads costs more than it saves where cores are busy
+    1024  # ships; below it waiting for threads costs more than it saves where cores are busy
 )
 
 
@@ -64,7 +64,7 @@ class ShipSim:
     sea : Sea or sequence of Sea
         One sea for all, or one each.
     parallel : bool or None
-        Threads or not; None: from 2048 ships on. The numbers are the same bit for bit.
+        Threads or not; None: from 1024 ships on. The numbers are the same bit for bit.
 
     Attributes
     ----------
