@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from ship_gym_agents.pid import PID
 
+from pages.marks import write_tables
 from reproduce import white
 from reproduce.headings import HeadingRun, bow_to_waves, plot_headings
 from ship_gym import load_ship
@@ -20,7 +21,6 @@ from ship_gym.conventions import KNOT, G, N
 from ship_gym.evaluation import rollout
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.plotting.seaway import plot_turning_in_waves
-from ship_gym.provenance import atomic_path
 from ship_gym.recording import Trajectory
 from ship_gym.reports.case import Case, sail_trial
 from ship_gym.reports.manoeuvre import wave_share
@@ -70,19 +70,6 @@ def trial_rows(names: tuple[str, ...]) -> list[list[str]]:
                 label = f"{row.label.strip()} [{row.unit}]"
                 cells.append([ship.name, label, *numbers, difference_text(row), others])
     return cells
-
-
-def write_tables(page: Path, tables: dict[str, str]) -> None:
-    """Put each table between its marks in a page; a mark that is missing is an error."""
-    text = page.read_text(encoding="utf-8")
-    for name, made in tables.items():
-        start, end = f"<!-- {name} -->\n\n", f"\n\n<!-- /{name} -->"
-        before, found, rest = text.partition(start)
-        if not found or end not in rest:
-            raise ValueError(f"{page}: no marks <!-- {name} --> and <!-- /{name} -->")
-        text = before + start + made + rest[rest.index(end) :]
-    with atomic_path(page) as temporary:
-        temporary.write_text(text, encoding="utf-8")
 
 
 def heading_runs(controller: Controller) -> list[Trajectory]:

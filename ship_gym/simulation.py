@@ -26,12 +26,13 @@ from ship_gym.conventions import (
 )
 from ship_gym.physics._kernel import direct
 from ship_gym.physics._threads import in_parts, usable_cores
-from ship_gym.physics.disturbance import set_harmonics
 from ship_gym.physics.dynamics import forces as ship_forces
 from ship_gym.physics.dynamics import over_ground, total
+from ship_gym.physics.parameters import traits_of
 from ship_gym.physics.quantities import Tables
-from ship_gym.physics.step import Fleet, sail, see_waves
-from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_waves
+from ship_gym.physics.scratch import scratch_for
+from ship_gym.physics.step import Fleet, sail_rows, see_waves
+from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_direction
 from ship_gym.sea.records import Waters, set_phases, waters
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.files import Named
@@ -40,8 +41,11 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet, numbered
 
 PARALLEL_FROM = (
-    2048  # ships; below it waiting for threads costs more than it saves where cores are busy
+    1024  # ships; below it waiting for threads costs more than it saves where cores are busy
 )
+
+
+_MADE = ("fleet", "_sail")  # of the arrays, at the first step
 
 
 class SimulationDiverged(RuntimeError):
@@ -60,7 +64,7 @@ class ShipSim:
     sea : Sea or sequence of Sea
         One sea for all, or one each.
     parallel : bool or None
-        Threads or not; None: from 2048 ships on. The numbers are the same bit for bit.
+        Threads or not; None: from 1024 ships on. The numbers are the same bit for bit.
 
     Attributes
     ----------
@@ -76,10 +80,8 @@ class ShipSim:
         a ship has two propellers (n, 19), ``conventions.FLOW_OF_UNITS``. Those of a single
         propeller stand there as the starboard one's, the port one's are zero.
     waves : numpy.ndarray
-        Wave drift and wave-frequency motion now, at the end of the last step, shape (n, 9),
+        Wave drift and wave-frequency motion now, at the end of the last step, shape (n, 10),
         ``physics.waves.WAVE_NAMES``. The motion is what sensors see on top of the state.
-    records : numpy.ndarray
-        Parameters of each ship; writing a column randomises it.
     water : sea.records.Waters
         Seas of the ships; `set_sea` draws their phases.
     """
@@ -96,8 +98,8 @@ class ShipSim:
         if len(self.ships) != self.n:
             raise ConfigError(f"{len(self.ships)} ships given for n = {self.n}")
         made = fleet(self.ships)
-        self.records = made.records
-        self._open_water, self._deflected = made.open_water, made.deflected
+        self._records, self._expected = made.records, ()
+        self._tables = Tables(made.open_water, made.deflected)
         sea = CALM if sea is None else sea
         self.water = waters(self.ships, sea if isinstance(sea, Sea) else list(sea))
         self.seas = self.water.records
@@ -155,7 +157,8 @@ class ShipSim:
         over_ground(self.state, self.seas)
         self.time[:] = 0.0
         draws = [np.random.default_rng(None if seed is None else seed + i) for i in range(self.n)]
-        uniform = np.stack([rng.random(self.water.n_phases) for rng in draws])
+        n_phases = self.water.n_phases
+        uniform = np.stack([rng.random(n_phases) for rng in draws])
         self.set_sea(np.arange(self.n), uniform, self._waves_to)
         return self.state
 
@@ -171,21 +174,14 @@ class ShipSim:
         waves_to : numpy.ndarray
             Where the waves go to, from north [rad], shape (m,).
         """
-        water = self.water
-        seas = self.seas[which]
-        set_harmonics(seas, uniform)
-        set_phases(seas, uniform)
-        self.seas[which] = seas
-        if water.n_waves:
-            for row, i in enumerate(which.tolist()):
-                phases = uniform[row, -water.n_waves :]
-                set_waves(water.components[i], waves_to[row], phases, water.waves[i])
+        set_direction(which, self.seas, waves_to)
+        set_phases(self.water, which, uniform)
         self.see_waves(which)
 
     def see_waves(self, which: np.ndarray) -> None:
         """Refresh ``self.waves`` of some ships, shape (m,), from their states and times."""
         if self.water.n_waves:
-            see_waves(which, self.time, self.state, *self._field, self.waves)
+            see_waves(which, self.fleet)
 
     def set_water(self, water: Waters) -> None:
         """Replace the seas of all ships, as ``sea.records.waters`` makes them; then `set_sea`."""
@@ -195,14 +191,33 @@ class ShipSim:
     def replace(self, **arrays: np.ndarray) -> None:
         """Use other arrays of the same shapes and types instead of attributes of these names."""
         self.__dict__.update(arrays)
-        for made in ("fleet", "_sail"):
+        self._make_anew()
+
+    def _make_anew(self) -> None:
+        """Forget what is made of the arrays."""
+        for made in _MADE:
             self.__dict__.pop(made, None)
 
     @property
-    def _field(self):
-        """Arrays of the seas, as the kernels take them."""
-        water = self.water
-        return self.seas, water.waves, water.groups, water.response, water.winds
+    def records(self) -> np.ndarray:
+        """Parameters of each ship, shape (n,); writing a column randomises it.
+
+        Take it anew for every change: what the ships have in common is then found again.
+        """
+        self._make_anew()
+        return self._records
+
+    def expect(self, *traits: str) -> None:
+        """Prepare for what the records will get while sailing, so that nothing is compiled then.
+
+        Parameters
+        ----------
+        *traits : str
+            Of ``physics.parameters.Traits``: ``each``, ships that differ; ``spread``, draws of the
+            surrogate.
+        """
+        self._expected = traits
+        self._make_anew()
 
     def self_propulsion(self, speed: np.ndarray) -> np.ndarray:
         """Propeller speed [rev/s] of each ship that holds a speed [m/s] on a straight course."""
@@ -284,20 +299,31 @@ class ShipSim:
     def fleet(self) -> Fleet:
         """All arrays of the step, which stay the same ones from the first step on."""
         return Fleet(
-            self.state, self.commands, self.time, self._clock, self.records, self.seas,
-            self._open_water, self._deflected, *self._field[1:], self.forces, self.flow, self.waves,
-        )  # fmt: skip
+            state=self.state,
+            commands=self.commands,
+            time=self.time,
+            clock=self._clock,
+            ships=self._records,
+            seas=self.seas,
+            forces=self.forces,
+            flow=self.flow,
+            met=self.waves,
+            tables=self._tables,
+            traits=traits_of(self._records, self._expected),
+            water=self.water.arrays,
+            scratch=scratch_for(self.threads),
+        )
 
     @functools.cached_property
     def _sail(self) -> Callable[[int, int], int]:
         """The compiled step of a part of the batch."""
         fleet = self.fleet
-        run = direct(sail, (0, 0, fleet))
+        run = direct(sail_rows, (0, 0, fleet))
         return lambda first, last: run(first, last, fleet)
 
     def __getstate__(self) -> dict[str, Any]:
         """Without what is made of the arrays: a copy makes its own."""
-        return {k: v for k, v in self.__dict__.items() if k not in ("fleet", "_sail")}
+        return {k: v for k, v in self.__dict__.items() if k not in _MADE}
 
     def _report_divergence(self) -> None:
         i = int(np.flatnonzero(~np.isfinite(self.state).all(axis=1))[0])

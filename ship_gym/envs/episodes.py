@@ -82,6 +82,7 @@ class EpisodeBatch:
         parallel: bool | None = None,
     ):
         self.scenario, self.n = scenario, n
+        self._made: Loops | None = None
         if ship is None:
             ship = load_ship(scenario.ship, surrogate=scenario.surrogate)
         given = [ship] if isinstance(ship, Ship) else list(ship)
@@ -96,6 +97,9 @@ class EpisodeBatch:
         self.sim.set_water(self._weathers.water)
         self._plan = self.task.plan(scenario, self.ships)
         self._ship_draws = ShipDraws(scenario.randomisation, self.sim.records, len(given))
+        if self._ship_draws.names or scenario.failure.any:
+            drawn = scenario.randomisation.surrogate_std > 0.0
+            self.sim.expect("each", *(("spread",) if drawn else ()))
         parts = (
             2,  # ordered heading, heading error
             self._weathers.n_draws,
@@ -118,9 +122,14 @@ class EpisodeBatch:
         # the first interval that begins at that time or later, whatever the division rounds to
         self._fails_at = math.ceil(scenario.failure.time / scenario.control_interval - 1e-9)
 
-    @functools.cached_property
+    @property
     def _loops(self) -> Loops:
-        """Compiled loops over the arrays of this batch."""
+        """Compiled loops over the arrays of this batch, as they are now."""
+        if self._made is None or self._made.fleet is not self.sim.fleet:
+            self._made = self._make_loops()
+        return self._made
+
+    def _make_loops(self) -> Loops:
         episodes = Episodes(
             self._actions, self._before, self.tasks, self._results, self.plans, self.terms,
             self.observations, self._failures, self._aims, self._diverged, self._failure(),
@@ -254,7 +263,7 @@ class EpisodeBatch:
         draws, scenario = self._ship_draws, self.scenario
         draws.draw(which, uniform)
         if draws.names or scenario.failure.any:
-            self.sim.records["gear"]["rate"][which] = draws.rudder_rate(which)
+            draws.set_rudder_rate(which)
         if draws.names:
             for name, size in self._noise.items():
                 self.tasks[name][which] = size[which] * draws.sensor_factor(which)
@@ -420,8 +429,9 @@ class EpisodeBatch:
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the views and what is made of the arrays: a copy would lose their ties."""
-        made = ("_layout", "_loops", "_buffer")
-        return {key: value for key, value in self.__dict__.items() if key not in made}
+        made = ("_layout", "_buffer")
+        kept = {key: value for key, value in self.__dict__.items() if key not in made}
+        return kept | {"_made": None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """With arrays side by side again; of the type that numba knows by its identity."""

@@ -29,7 +29,7 @@ INTERACTION = {
     "a_H": ("rudder", ("a_H",)),
     "gamma_R": ("rudder", ("gamma_R_p", "gamma_R_n")),
 }
-_LOADING = (("hull", ("d", "volume")), ("inertia", ("m_u", "m_v", "m_xG", "I_r")))
+_LOADING = (("hull", ("d",)), ("inertia", ("m_u", "m_v", "m_xG", "I_r")))
 _CUT = 3.0  # to which normal draws are limited, in standard deviations
 
 
@@ -102,11 +102,12 @@ class ShipDraws:
         """Factor of the sensors' noise of some episodes."""
         return self.values[which, -1] if "sensors" in self.names else 1.0
 
-    def rudder_rate(self, which: np.ndarray) -> np.ndarray:
-        """Rudder rate of some episodes [rad/s] with everything in order."""
-        nominal = self._nominal["gear"]["rate"][which % self._period]
-        k = self.names.index("gear") if "gear" in self.names else None
-        return nominal if k is None else nominal * self.values[which, k]
+    def set_rudder_rate(self, which: np.ndarray) -> None:
+        """Give some ships the rudder rate that they have with everything in order."""
+        rate = self._nominal["gear"]["rate"][which % self._period]
+        if "gear" in self.names:
+            rate = rate * self.values[which, self.names.index("gear")]
+        self._records["gear"]["rate"][which] = rate
 
     def drawn(self) -> dict[str, np.ndarray]:
         """What was drawn by name, arrays of shape (n,)."""

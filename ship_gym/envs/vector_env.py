@@ -39,7 +39,7 @@ class ShipVectorEnv(VectorEnv):
         ``"NextStep"`` (default), ``"SameStep"`` (``final_obs``, ``final_info`` in info) or
         ``"Disabled"`` (reset with ``options={"reset_mask": mask}``).
     parallel : bool, optional
-        Threads or not; None: from 2048 environments on. Same numbers.
+        Threads or not; None: from 1024 environments on. Same numbers.
     max_episode_steps : int, optional
         Control intervals of an episode, instead of what the scenario's duration says.
     copy : bool

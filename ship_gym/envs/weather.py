@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 
 import numpy as np
@@ -45,14 +44,7 @@ class Weathers:
         # rows of the templates: ship by choice
         self._templates = waters([ship for ship, _ in pairs], [s for _, s in pairs])
         self._row = np.array(numbers) * len(self._choices)
-        made = self._templates
-        shape = (len(ships), *made.waves.shape[1:])
-        self.water: Waters = dataclasses.replace(
-            made,
-            records=made.records[self._row],
-            components=made.components[self._row],
-            waves=np.zeros(shape),
-        )
+        self.water: Waters = self._templates.for_ships(self._row)
         first = self._choices[0].sea
         self.changes = bool(first.waves) or any(c.sea.wind_speed > 0.0 for c in self._choices)
         self._T_p = np.array([c.sea.waves[0].peak_period if c.sea.waves else 0.0
@@ -95,7 +87,7 @@ class Weathers:
             pick = (state * len(self._choices)).astype(int)  # state is below 1
             records = self._templates.records[self._row[which] + pick]
             waves_to = self._direction(self.sea.wave_encounter_deg, psi, towards)
-            self._set_waves(which, pick, height, waves_to, tasks)
+            self._set_waves(records, which, pick, height, waves_to, tasks)
             self._set_wind(records, which, pick, wind, waves_to, psi)
         self._set_current(records, which, uniform, psi)
         self.water.records[which] = records
@@ -108,11 +100,9 @@ class Weathers:
             return math.pi * (2.0 * uniform - 1.0)
         return psi - math.radians(encounter_deg)
 
-    def _set_waves(self, which, pick, height, waves_to, tasks) -> None:
+    def _set_waves(self, records, which, pick, height, waves_to, tasks) -> None:
         share = self._height_min[pick] + (1.0 - self._height_min[pick]) * height
-        largest = self._templates.components[self._row[which] + pick]
-        self.water.components[which] = largest
-        self.water.components[which, :, 0] = share[:, None] * largest[:, :, 0]
+        records["wave_share"] = share
         tasks["wave_height"][which] = share * self._H_s[pick] / self._scale[which]
         tasks["wave_period"][which] = self._T_p[pick] / self._unit[which]
         tasks["wave_to"][which] = waves_to
@@ -125,7 +115,7 @@ class Weathers:
         """
         low, high = self._wind_min[pick], self._wind_max[pick]
         full = low + (high - low) * uniform
-        records["gust_share"] *= (turbulence_intensity(full) / turbulence_intensity(high))[:, None]
+        records["gust_scale"] *= turbulence_intensity(full) / turbulence_intensity(high)
         speed = full / self._unit[which]
         towards = waves_to
         if self.sea.wind_encounter_deg is not None:

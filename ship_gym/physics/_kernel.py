@@ -8,6 +8,7 @@ when it is trusted: ``_cache``.
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import types
 from collections.abc import Callable, Iterator, Sequence
@@ -17,6 +18,7 @@ from typing import Any
 import numba
 
 from ship_gym.physics._cache import cache_folder
+from ship_gym.physics._compiler import LOOP, PART, keep_part
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _KERNEL_SOURCES = (
@@ -77,16 +79,61 @@ def _own_cache(kind: str, function: Callable) -> Iterator[None]:
         numba.config.CACHE_DIR = before
 
 
+# No fastmath: same bits everywhere. Without _nrt no references of arrays are counted, which was
+# 40 % of a step; such a kernel can neither make nor return an array.
+_PLAIN = {"error_model": "numpy", "_nrt": False}
+
+
+class Kernel:
+    """A function of one ship at one instant: a part of loops, and callable from Python.
+
+    To numba it is a part (``_compiler``); a call from Python compiles, and keeps, a version of it
+    by itself.
+    """
+
+    def __init__(self, function):
+        functools.update_wrapper(self, function)
+        self.py_func = function
+        self.part = _part(function)
+
+    @property
+    def _numba_type_(self):
+        return self.part._numba_type_
+
+    @functools.cached_property
+    def alone(self):
+        """Compiled to be called from Python."""
+        with _own_cache("serial", self.py_func):
+            return numba.njit(self.py_func, cache=True, **_PLAIN)
+
+    def __call__(self, *args):
+        return self.alone(*args)
+
+
 def kernel(function):
-    """Compile a scalar function of one ship at one instant (no fastmath: same bits everywhere)."""
-    with _own_cache("serial", function):
-        return numba.njit(function, cache=True, error_model="numpy")
+    """Compile a function of one ship at one instant, to be inlined into a loop over ships."""
+    return function if numba.config.DISABLE_JIT else Kernel(function)
+
+
+def composed(function):
+    """As `kernel`, of a function that does little but call others: compiled in less time."""
+    function.composed = True
+    return kernel(function)
+
+
+def inlined(function):
+    """As `kernel`, of a function without a source file, which is not called from Python."""
+    return function if numba.config.DISABLE_JIT else _part(function)
+
+
+def _part(function):
+    return keep_part(numba.njit(function, forceinline=True, **_PLAIN, **PART))
 
 
 def loop(function):
-    """Compile a loop over ships; it lets other threads run."""
+    """Compile a loop over ships; its array arguments must not overlap. Other threads may run."""
     with _own_cache("serial", function):
-        return numba.njit(function, cache=True, error_model="numpy", nogil=True)
+        return numba.njit(function, cache=True, nogil=True, **_PLAIN, **LOOP)
 
 
 def specialised(function: Callable, name: str, **kernels: Callable) -> Callable:
@@ -118,7 +165,7 @@ def specialised(function: Callable, name: str, **kernels: Callable) -> Callable:
     made.__qualname__, made.__doc__ = name, function.__doc__
     kept = all(_has_file(source) and source.__closure__ is None for source in sources)
     with _own_cache("serial", function):
-        return numba.njit(made, cache=kept, error_model="numpy", nogil=True)
+        return numba.njit(made, cache=kept, nogil=True, **_PLAIN, **LOOP)
 
 
 def direct(function: Callable, arguments: Sequence[Any]) -> Callable:

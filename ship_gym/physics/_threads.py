@@ -8,7 +8,9 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
-BLOCK = 64  # ships that a loop takes at once; no two threads share one
+from ship_gym.physics.scratch import LANES
+
+BLOCK = LANES  # ships that a loop takes at once; no two threads share one
 
 
 def usable_cores() -> int:

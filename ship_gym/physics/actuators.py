@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ship_gym.physics._kernel import kernel
+from ship_gym.physics.angles import exp_negative
 
 REVERSAL = 0.1  # of n_max: below it an engine that reverses is stopping and starting (our choice)
 
@@ -51,7 +52,7 @@ def governed(n, target, time, engine):
     ramp = min(time, max(0.0, (gap - knee) / engine.rate))
     gap -= engine.rate * ramp
     if time > ramp and engine.time_constant > 0.0:
-        gap *= math.exp(-(time - ramp) / engine.time_constant)
+        gap *= exp_negative(-(time - ramp) / engine.time_constant)
     return n + error - math.copysign(gap, error)
 
 
@@ -93,7 +94,7 @@ def turned_by_torque(n, wanted, torque, time, engine):
     slope = 2.0 * engine.torque_max / engine.n_max
     reach = 1.0 / slope
     if engine.shaft_inertia > 0.0:
-        reach *= 1.0 - math.exp(-slope * time / (2.0 * math.pi * engine.shaft_inertia))
+        reach *= 1.0 - exp_negative(-slope * time / (2.0 * math.pi * engine.shaft_inertia))
     low, high = (least - torque) * reach, (most - torque) * reach
     new = n + min(max(wanted - n, low), high)
     # a shaft that comes to rest stays for this step: beyond zero the engine works the other way

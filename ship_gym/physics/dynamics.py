@@ -7,7 +7,9 @@ from typing import NamedTuple
 
 from ship_gym.conventions import PSI, U, V
 from ship_gym.physics._kernel import kernel
+from ship_gym.physics.angles import arctan2, cos_sin, cosine
 from ship_gym.physics.hull import hull_forces
+from ship_gym.physics.parameters import of_record
 from ship_gym.physics.propeller import (
     Inflow,
     advance_ratio,
@@ -98,7 +100,7 @@ def own_forces(motion, controls, ship, tables):
     delta, n = controls
     # |u|: astern the drift of wake and rudder is counted from the stern, so that nothing jumps
     # where the ship backs straight; the same as atan2(-v, u) ahead
-    U, beta = math.sqrt(u * u + v * v), math.atan2(-v, abs(u))
+    U, beta = math.sqrt(u * u + v * v), arctan2(-v, abs(u))
     H = hull_forces(u, v, r, ship.hull, ship.rho)
     P, R, starboard = unit_forces(
         Motion(u, v, r), Controls(delta, n), Inflow(U, beta), ship, tables
@@ -152,6 +154,10 @@ def forces(motion, controls, ship, tables):
     flow : Flow
         Forces and torque of all, angles on the centreline; then those of each unit.
     """
+    # named tuples, so that the versions that a step is made of serve here too
+    u, v, r = motion
+    delta, n = controls
+    motion, controls, ship = Motion(u, v, r), Controls(delta, n), of_record(ship)
     own, units = own_forces(motion, controls, ship, tables)
     return own, flow_of(motion, controls, units, ship)
 
@@ -168,7 +174,7 @@ def extrapolation(J, beta_P, beta_R, delta, box):
 @kernel
 def water_velocity(psi, sea):
     """Current in body axes [m/s]: along the bow and to starboard."""
-    c, s = math.cos(psi), math.sin(psi)
+    c, s = cos_sin(psi)
     return sea.V_north * c + sea.V_east * s, sea.V_east * c - sea.V_north * s
 
 
@@ -177,7 +183,7 @@ def vary_current(time, sea):
     """Set the current of this time: its mean times 1 + variation cos(omega t + phase)."""
     if sea.variation > 0.0:
         phase = sea.variation_omega * time + 2.0 * math.pi * sea.variation_phase
-        factor = 1.0 + sea.variation * math.cos(phase)
+        factor = 1.0 + sea.variation * cosine(phase)
         sea.V_north, sea.V_east = sea.mean_north * factor, sea.mean_east * factor
 
 
@@ -200,8 +206,9 @@ def accelerations(motion, X, Y, N, inertia):
     """
     u, v, r = motion
     b = inertia
-    du = (X + b.m_v * v * r + b.m_xG * r * r) / b.m_u
+    du = (X + b.m_v * v * r + b.m_xG * r * r) * (1.0 / b.m_u)
     F = Y - b.m_u * u * r
     M = N - b.m_xG * u * r
-    determinant = b.m_v * b.I_r - b.m_xG * b.m_xG
-    return du, (b.I_r * F - b.m_xG * M) / determinant, (b.m_v * M - b.m_xG * F) / determinant
+    per_determinant = 1.0 / (b.m_v * b.I_r - b.m_xG * b.m_xG)
+    dv, dr = b.I_r * F - b.m_xG * M, b.m_v * M - b.m_xG * F
+    return du, dv * per_determinant, dr * per_determinant

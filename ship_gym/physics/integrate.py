@@ -1,13 +1,28 @@
-"""Classical Runge-Kutta step of one ship."""
+"""Kutta's step of third order (1901) for the ships in a scratch, every one at once.
+
+A fourth stage would win nothing: what is left of the error are kinks, at the end of a rudder's run
+and in piecewise linear tables (docs/accuracy.md).
+"""
 
 from __future__ import annotations
 
-import math
+from typing import NamedTuple
 
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.actuators import engine_after, rudder_after
+from ship_gym.physics.angles import cos_sin
 from ship_gym.physics.dynamics import accelerations, own_forces, total, water_velocity
-from ship_gym.physics.quantities import Body, Controls, Motion, State
+from ship_gym.physics.parameters import of_lane, ship_at
+from ship_gym.physics.quantities import Body, Controls, Force, Motion, Tables
+
+START, MIDDLE, END = range(3)  # of a step: when controls are asked for
+
+
+class Current(NamedTuple):
+    """Velocity of the water to north and east [m/s]."""
+
+    V_north: float
+    V_east: float
 
 
 @kernel
@@ -23,72 +38,82 @@ def derivative(body, controls, load, ship, sea, tables):
     own, units = own_forces(motion, controls, ship, tables)
     F = total(own)
     du, dv, dr = accelerations(motion, F.X + load.X, F.Y + load.Y, F.N + load.N, ship.inertia)
-    c, s = math.cos(psi), math.sin(psi)
+    c, s = cos_sin(psi)
     rates = Body(du + r * v_c, dv - r * u_c, dr, u * c - v * s, u * s + v * c, r)
     return rates, own, units
 
 
 @kernel
-def advanced(body, rates, h):
-    """Body moved by h times its rates (an Euler stage)."""
-    return Body(
-        u=body.u + h * rates.u,
-        v=body.v + h * rates.v,
-        r=body.r + h * rates.r,
-        x=body.x + h * rates.x,
-        y=body.y + h * rates.y,
-        psi=body.psi + h * rates.psi,
-    )
+def body_of(rows, i):
+    """Lane i of `start` or `at`."""
+    return Body(rows[0, i], rows[1, i], rows[2, i], rows[3, i], rows[4, i], rows[5, i])
 
 
 @kernel
-def simpson(a, b, c, d):
-    """Sum of the four rates of a Runge-Kutta step by their weights."""
-    return a + 2.0 * (b + c) + d
+def ask(x, lo, hi, weight, reach, back, tables, traits):
+    """Rates at the place `at` and with the controls `now` of every lane.
 
-
-@kernel
-def body_of(state):
-    """The body in a state."""
-    return Body(state.u, state.v, state.r, state.x, state.y, state.psi)
-
-
-@kernel
-def runge_kutta_4(state, command, load, dt, ship, sea, tables):
-    """State after `dt` [s], and the ship's own forces and the loading of its units at its start.
+    Moves the place to start + `reach` dt of them + `back` of the sum of those before, and adds
+    `weight` dt of them to that sum. Leaves the ship's own forces and the loading of its units there
+    in the scratch.
 
     Parameters
     ----------
-    state : State
-    command : Controls
-        Held during the step.
-    load : Force
-        Held during the step.
+    x : record
+        ``physics.scratch.SCRATCH``.
+    lo, hi : int
+        First lane, and the one after the last.
+    tables : Tables
+        Of all kinds of ships.
+    traits : Traits
     """
-    body, delta, n = body_of(state), state.delta, state.n
-    k1, own, units = derivative(body, Controls(delta, n), load, ship, sea, tables)
-    torque = units.starboard.torque + units.port.torque
-    torque = 0.5 * torque if ship.propeller.y_P > 0.0 else torque  # of each shaft
-    h, gear, engine = 0.5 * dt, ship.gear, ship.engine
-    middle = Controls(
-        rudder_after(delta, command.delta, h, gear), engine_after(n, command.n, torque, h, engine)
-    )
-    end = Controls(
-        rudder_after(delta, command.delta, dt, gear),
-        engine_after(n, command.n, torque, dt, engine),
-    )
-    k2, _, _ = derivative(advanced(body, k1, h), middle, load, ship, sea, tables)
-    k3, _, _ = derivative(advanced(body, k2, h), middle, load, ship, sea, tables)
-    k4, _, _ = derivative(advanced(body, k3, dt), end, load, ship, sea, tables)
-    w = dt / 6.0
-    new = State(
-        u=body.u + w * simpson(k1.u, k2.u, k3.u, k4.u),
-        v=body.v + w * simpson(k1.v, k2.v, k3.v, k4.v),
-        r=body.r + w * simpson(k1.r, k2.r, k3.r, k4.r),
-        x=body.x + w * simpson(k1.x, k2.x, k3.x, k4.x),
-        y=body.y + w * simpson(k1.y, k2.y, k3.y, k4.y),
-        psi=body.psi + w * simpson(k1.psi, k2.psi, k3.psi, k4.psi),
-        delta=end.delta,
-        n=end.n,
-    )
-    return new, own, units
+    common, kind = ship_at(x, lo, traits), x.kind[lo]
+    for i in range(lo, hi):
+        ship = of_lane(x, i, traits, common)
+        if traits.each is not None:
+            kind = x.kind[i]
+        one = Tables(tables.open_water[kind], tables.deflected[kind])
+        controls = Controls(x.now[0, i], x.now[1, i])
+        load = Force(x.load[0, i], x.load[1, i], x.load[2, i])
+        sea = Current(x.current[0, i], x.current[1, i])
+        rates, own, units = derivative(body_of(x.at, i), controls, load, ship, sea, one)
+        w, h = weight * x.dt[i], reach * x.dt[i]
+        for k in range(6):
+            before = x.sum[k, i]
+            x.at[k, i] = x.start[k, i] + h * rates[k] + back * before
+            x.sum[k, i] = before + w * rates[k]
+        for k in range(3):
+            x.own[k, i], x.own[3 + k, i] = own.hull[k], own.propeller[k]
+            x.own[6 + k, i] = own.rudder[k]
+        for k in range(5):
+            x.units[k, i], x.units[5 + k, i] = units.starboard[k], units.port[k]
+
+
+@kernel
+def set_controls(x, lo, hi, traits):
+    """Rudder and propeller at the middle and the end of the step; the units' torque is known."""
+    common = ship_at(x, lo, traits)
+    for i in range(lo, hi):
+        ship = of_lane(x, i, traits, common)
+        delta, n, dt = x.delta[START, i], x.n[START, i], x.dt[i]
+        torque = x.units[3, i] + x.units[8, i]
+        torque = 0.5 * torque if ship.propeller.y_P > 0.0 else torque  # of each shaft
+        x.delta[MIDDLE, i] = rudder_after(delta, x.command[0, i], 0.5 * dt, ship.gear)
+        x.n[MIDDLE, i] = engine_after(n, x.command[1, i], torque, 0.5 * dt, ship.engine)
+        x.delta[END, i] = rudder_after(delta, x.command[0, i], dt, ship.gear)
+        x.n[END, i] = engine_after(n, x.command[1, i], torque, dt, ship.engine)
+
+
+@kernel
+def set_now(x, lo, hi, when):
+    """Controls of a stage: those at `START`, `MIDDLE` or `END` of the step."""
+    for i in range(lo, hi):
+        x.now[0, i], x.now[1, i] = x.delta[when, i], x.n[when, i]
+
+
+@kernel
+def begin_step(x, lo, hi):
+    """Place and sum of every lane at the start of a step."""
+    for k in range(6):
+        for i in range(lo, hi):
+            x.at[k, i], x.sum[k, i] = x.start[k, i], 0.0

@@ -21,7 +21,7 @@ def cell(x, start, step, count):
     (int, float)
         Index of the lower grid point and weight of the upper one in [0, 1].
     """
-    s = (x - start) / step
+    s = (x - start) * (1.0 / step)  # the reciprocal is one for all ships of a kind
     if not s > 0.0:  # also catches nan, which the caller reports as a diverged state
         return 0, 0.0
     if s >= count - 1.0:

@@ -19,6 +19,7 @@ import math
 from typing import NamedTuple
 
 from ship_gym.physics._kernel import kernel
+from ship_gym.physics.angles import arctan2, cos_sin, exp_negative, sine
 from ship_gym.physics.interpolate import bilinear, cell, linear
 from ship_gym.physics.quantities import Force
 
@@ -60,18 +61,18 @@ def wake(inflow, r, propeller):
     """
     U, beta = inflow
     if propeller.wake_l_P < 0.0:
-        beta_P = abs(beta - propeller.wake_l_P * r / U) if U > 0.0 else 0.0
-        sine = math.sin(beta_P)
-        return 1.0 - propeller.w_P0 * (1.0 - sine * sine * max(1.0 - beta_P, 0.0))
-    beta_P = beta - propeller.x_P * r / U if U > 0.0 else 0.0
+        beta_P = abs(beta - propeller.wake_l_P * r * (1.0 / U)) if U > 0.0 else 0.0
+        s = sine(beta_P)
+        return 1.0 - propeller.w_P0 * (1.0 - s * s * max(1.0 - beta_P, 0.0))
+    beta_P = beta - propeller.x_P * r * (1.0 / U) if U > 0.0 else 0.0
     if propeller.wake_C1 > 0.0:
         C2 = propeller.wake_C2_p if beta_P > 0.0 else propeller.wake_C2_n
-        rise = (1.0 - math.exp(-propeller.wake_C1 * abs(beta_P))) * (C2 - 1.0)
+        rise = (1.0 - exp_negative(-propeller.wake_C1 * abs(beta_P))) * (C2 - 1.0)
         return (1.0 - propeller.w_P0) * (1.0 + rise)
     if propeller.wake_tau > 0.0:
-        v_P = math.sin(beta) - beta + beta_P
+        v_P = sine(beta) - beta + beta_P
         return 1.0 - propeller.w_P0 + propeller.wake_tau * min(v_P * v_P, SWAY_LIMIT)
-    return 1.0 - propeller.w_P0 * math.exp(-propeller.wake_beta2 * beta_P * beta_P)
+    return 1.0 - propeller.w_P0 * exp_negative(-propeller.wake_beta2 * beta_P * beta_P)
 
 
 @kernel
@@ -89,7 +90,7 @@ def advance_angle(u, n, D):
     Ahead 0 to pi/2, braking (n < 0) pi/2 to pi, astern -pi to -pi/2, n ahead of a ship that makes
     sternway -pi/2 to 0.
     """
-    return math.atan2(u, 0.7 * math.pi * n * D)
+    return arctan2(u, 0.7 * math.pi * n * D)
 
 
 @kernel
@@ -144,13 +145,14 @@ def trained_direction(delta, side, surrogate, table):
         return side * surrogate.sin_delta, surrogate.cos_delta
     largest = surrogate.delta + (table.shape[0] - 1) * surrogate.delta_step
     angle = min(max(abs(delta), surrogate.delta), largest)
-    return side * math.sin(angle), math.cos(angle)
+    c, s = cos_sin(angle)
+    return side * s, c
 
 
 @kernel
-def surrogate_of(side, tables):
-    """Table of the propeller and rudder on the leeward (starboard turn) or windward side."""
-    return tables.deflected[0] if side > 0.0 else tables.deflected[1]
+def surrogate_unit(side):
+    """Which of the surrogate's tables: that of the leeward (starboard turn) or windward unit."""
+    return 0 if side > 0.0 else 1
 
 
 @kernel
@@ -161,7 +163,7 @@ def surrogate_blend(delta, surrogate):
     """
     if surrogate.delta <= 0.0:
         return 0.0, 1.0
-    s = delta / surrogate.delta
+    s = delta * (1.0 / surrogate.delta)
     return min(s * s, 1.0), (1.0 if delta >= 0.0 else -1.0)
 
 
@@ -223,10 +225,10 @@ def propeller_forces(motion, controls, inflow, ship, tables):
     q = advance_pressure(u_A, n, p, ship.rho)
     T, Q, S = q * linear(water, i, w, C_T), q * p.D * linear(water, i, w, C_Q), 0.0
     epsilon = advance_angle(u, n, p.D)
-    beta_P = math.atan2(-(v + p.x_P * r), u)
+    beta_P = arctan2(-(v + p.x_P * r), u)
     blend, side = surrogate_blend(delta, box)
     if blend > 0.0:
-        table = surrogate_of(side, tables)
+        table = tables.deflected[surrogate_unit(side)]
         plane = surrogate_plane(delta, box, table)
         at = surrogate_cell(epsilon, side * beta_P, box, table)
         q = advance_pressure(u, n, p, ship.rho)

@@ -10,14 +10,15 @@ from __future__ import annotations
 import math
 
 from ship_gym.physics._kernel import kernel
+from ship_gym.physics.angles import arctan2, cos_sin
 from ship_gym.physics.propeller import (
     C_A,
     C_N,
     sampled,
     surrogate_blend,
     surrogate_cell,
-    surrogate_of,
     surrogate_plane,
+    surrogate_unit,
     trained_direction,
     trusted,
 )
@@ -26,6 +27,8 @@ from ship_gym.physics.quantities import Force
 STALL = math.radians(35.0)  # the samples follow sin(alpha) to 33 deg, their largest inflow angle
 SIN_STALL = math.sin(STALL)
 COS_STALL = math.cos(STALL)
+_STALL_WIDTH = 0.5 * math.pi - STALL
+_PER_STALL = 1.0 / _STALL_WIDTH
 C_N_PLATE = 1.17  # flat plate across the flow, Hoerner (1965) Fluid-Dynamic Drag, ch. 3
 # Beaufoy's formula as Stern et al. (2021) print it: 58.8 kgf s2/m4, and the race of a single screw
 BEAUFOY = 58.8 * 9.80665  # kg/m3
@@ -43,7 +46,7 @@ def race_square(u, thrust, D, rho):
     Momentum theory; Knight (2021) Eq. 2.20 with the square root that its print lacks, in terms of T
     so that no division by J is needed.
     """
-    return u * abs(u) + 8.0 * thrust / (rho * math.pi * D * D)
+    return u * abs(u) + thrust * (8.0 / (rho * math.pi * D * D))
 
 
 @kernel
@@ -137,11 +140,10 @@ def stalled(alpha, f_alpha):
 
     Cubic Hermite polynomial from the sine's value and slope to the plate's value, level there.
     """
-    width = 0.5 * math.pi - STALL
-    t = min((abs(alpha) - STALL) / width, 1.0)
+    t = min((abs(alpha) - STALL) * _PER_STALL, 1.0)
     rest = 1.0 - t
-    start = rest * rest * ((1.0 + 2.0 * t) * SIN_STALL + t * width * COS_STALL)
-    end = t * t * (3.0 - 2.0 * t) * C_N_PLATE / f_alpha
+    start = rest * rest * ((1.0 + 2.0 * t) * SIN_STALL + t * _STALL_WIDTH * COS_STALL)
+    end = t * t * (3.0 - 2.0 * t) * (C_N_PLATE / f_alpha)
     return math.copysign(start + end, alpha)
 
 
@@ -162,7 +164,7 @@ def normal_force(direction, u_R, v_R, rudder, rho):
     U_R = math.sqrt(u_R * u_R + v_R * v_R)
     along = abs(along)  # from astern the blade works like from ahead (estimated)
     if along < COS_STALL * U_R:
-        across = U_R * stalled(math.atan2(across, along), rudder.f_alpha)
+        across = U_R * stalled(arctan2(across, along), rudder.f_alpha)
     return 0.5 * rho * rudder.A_R * rudder.f_alpha * U_R * across
 
 
@@ -192,7 +194,7 @@ def rudder_on_plate(motion, delta, inflow, wash, ship, tables):
     k, box = ship.rudder, ship.surrogate
     u = u - k.y_R * r + 0.0  # never -0, as in `propeller_forces`
     v_local = v + k.x_R * r
-    beta_R = math.atan2(-v_local, u)
+    beta_R = arctan2(-v_local, u)
     U, _ = inflow
     if k.beaufoy > 0.0:
         return beaufoy(U, direction[0], k.A_R), 0.0, beta_R
@@ -205,7 +207,7 @@ def rudder_on_plate(motion, delta, inflow, wash, ship, tables):
     doubt = box.z_N * box.law_std  # a draw moves the law too, by what such a law misses samples
     if blend <= 0.0:
         return F_N * (1.0 + doubt), 0.0, beta_R
-    table = surrogate_of(side, tables)
+    table = tables.deflected[surrogate_unit(side)]
     plane = surrogate_plane(delta, box, table)
     trained = trained_direction(delta, side, box, table)
     mirror = 1.0 if k.y_R > 0.0 else side
@@ -243,7 +245,7 @@ def rudder_forces(motion, controls, inflow, race, epsilon, ship, tables):
     """
     k = ship.rudder
     delta, _ = controls
-    s, c = math.sin(delta), math.cos(delta)
+    c, s = cos_sin(delta)
     wash = (race, epsilon, (s, c))
     F_N, F_A, beta_R = rudder_on_plate(motion, delta, inflow, wash, ship, tables)
     X = (1.0 - k.t_R) * (-F_N * s + F_A * c)

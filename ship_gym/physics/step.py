@@ -1,4 +1,4 @@
-"""The only loop over ships: one control interval of a batch, serial or parallel."""
+"""The only loop over ships: one control interval of a batch, in blocks of 64 ships."""
 
 from __future__ import annotations
 
@@ -8,25 +8,32 @@ from typing import NamedTuple
 import numpy as np
 
 from ship_gym.conventions import DELTA, FORCE_COMPONENTS, PSI, N, R, U, V, X, Y
-from ship_gym.physics._kernel import kernel, loop
+from ship_gym.physics._kernel import composed, kernel, loop
 from ship_gym.physics.disturbance import disturbance_forces
-from ship_gym.physics.dynamics import OwnForces, flow_of, total, vary_current, water_velocity
-from ship_gym.physics.integrate import body_of, runge_kutta_4
-from ship_gym.physics.quantities import Around, Controls, Force, Motion, State, Tables
-from ship_gym.physics.waves import (
-    WAVE_EXTRAPOLATION,
-    WAVE_N,
-    WAVE_ROLL,
-    WAVE_SWAY,
-    WAVE_SWAY_VELOCITY,
-    WAVE_X,
-    WAVE_Y,
-    WAVE_YAW,
-    WAVE_YAW_RATE,
-    WaveState,
-    wave_loads,
+from ship_gym.physics.dynamics import (
+    Loading,
+    OwnForces,
+    Units,
+    flow_of,
+    vary_current,
+    water_velocity,
 )
-from ship_gym.physics.wind import wind_forces
+from ship_gym.physics.integrate import (
+    END,
+    MIDDLE,
+    START,
+    Current,
+    ask,
+    begin_step,
+    body_of,
+    set_controls,
+    set_now,
+)
+from ship_gym.physics.parameters import Traits, fill_lane, of_lane, ship_at
+from ship_gym.physics.quantities import Body, Controls, Force, Motion, Tables
+from ship_gym.physics.scratch import LANES
+from ship_gym.physics.waves import WAVE_AHEAD, WAVE_N, WAVE_X, WAVE_Y, Waves, wave_loads
+from ship_gym.physics.wind import gust_factor, wind_forces
 
 
 class HeldLoads(NamedTuple):
@@ -37,137 +44,50 @@ class HeldLoads(NamedTuple):
     disturbance: Force
 
 
-NOTHING = Force(0.0, 0.0, 0.0)
-if (*OwnForces._fields, *HeldLoads._fields) != FORCE_COMPONENTS:
-    raise ImportError(
-        "conventions.FORCES must name the fields of OwnForces, then those of HeldLoads: "
-        f"{', '.join((*OwnForces._fields, *HeldLoads._fields))}"
-    )
+class Water(NamedTuple):
+    """What surrounds the ships of a batch, beside their seas' records.
 
-
-@kernel
-def waves_now(time, body, sea, around):
-    """Drift and wave-frequency motion of one ship at one instant, a `WaveState`."""
-    u_c, _ = water_velocity(body.psi, sea)
-    grid = (sea.speed_step, sea.speed_max, body.u - u_c)
-    X, Y, N, sway, sway_velocity, roll, yaw, yaw_rate, fast = wave_loads(
-        time, body, around.waves, around.groups, around.response, grid, sea.mean_drift == 1
-    )
-    on = sea.drift
-    return WaveState(on * X, on * Y, on * N, sway, sway_velocity, roll, yaw, yaw_rate, fast)
-
-
-@kernel
-def held_loads(time, dt, body, sea, met, around):
-    """What is held during an integration step.
-
-    Drift and wind are those of its start, the disturbance that of its middle.
-    """
-    wave, wind, disturbance = NOTHING, NOTHING, NOTHING
-    if sea.wavy == 1:
-        wave = Force(met.X, met.Y, met.N)
-    if sea.windy == 1:
-        wind = wind_forces(time, body, sea, around.wind)
-    if sea.disturbed == 1:
-        Y, N = disturbance_forces(time + 0.5 * dt, sea)
-        disturbance = Force(0.0, Y, N)
-    return HeldLoads(wave, wind, disturbance)
-
-
-@kernel
-def step_one(state, command, clock, ship, sea, tables, around, met):
-    """One control interval of one ship.
-
-    Parameters
+    Attributes
     ----------
-    state : State
-    command : Controls
-    clock : (float, float, int)
-        Time at the start [s], length of one integration step [s], number of steps.
-    around : Around
-    met : WaveState
-        At the start.
-
-    Returns
-    -------
-    state : State
-    components : tuple of Force
-        Of ``conventions.FORCE_COMPONENTS`` in the first integration step.
-    flow : Flow
-        At the start of the interval.
-    met : WaveState
-        At the end.
+    waves : Waves
+    winds : ndarray (kinds, count, 3)
+        Wind coefficients; ``seas.wind_table`` selects.
+    gusts, gust_phases : ndarray (kinds, 2, K), ndarray (n, K)
+        ``wind.gust_factor``.
+    harmonics : ndarray (n, 4, H)
+        ``disturbance.disturbance_forces``; H = 0 where no ship is disturbed.
     """
-    time, dt, steps = clock
-    vary_current(time, sea)
-    held = held_loads(time, dt, body_of(state), sea, met, around)
-    u_c, v_c = water_velocity(state.psi, sea)
-    start, motion = Controls(state.delta, state.n), Motion(state.u - u_c, state.v - v_c, state.r)
-    state, own, units = runge_kutta_4(state, command, total(held), dt, ship, sea, tables)
-    flow = flow_of(motion, start, units, ship)
-    components = own[:] + held[:]  # numba joins plain tuples only
-    for k in range(1, steps):
-        now = time + k * dt
-        vary_current(now, sea)
-        if sea.wavy == 1:
-            met = waves_now(now, body_of(state), sea, around)
-        held = held_loads(now, dt, body_of(state), sea, met, around)
-        state, _, _ = runge_kutta_4(state, command, total(held), dt, ship, sea, tables)
-    if sea.wavy == 1:
-        met = waves_now(time + steps * dt, body_of(state), sea, around)
-    return state, components, flow, met
 
-
-@kernel
-def state_of(states, i):
-    """Row i of the states by name; a view of the row would cost its counted references."""
-    return State(
-        states[i, U], states[i, V], states[i, R], states[i, X], states[i, Y], states[i, PSI],
-        states[i, DELTA], states[i, N],
-    )  # fmt: skip
-
-
-@kernel
-def waves_of(met, i):
-    """Row i of the wave states by name."""
-    return WaveState(
-        met[i, WAVE_X], met[i, WAVE_Y], met[i, WAVE_N], met[i, WAVE_SWAY],
-        met[i, WAVE_SWAY_VELOCITY], met[i, WAVE_ROLL], met[i, WAVE_YAW], met[i, WAVE_YAW_RATE],
-        met[i, WAVE_EXTRAPOLATION],
-    )  # fmt: skip
-
-
-@kernel
-def finite(state):
-    """1 if every entry of the state is finite, else 0."""
-    total = 0.0
-    for value in state:
-        total += abs(value)
-    return 1 if math.isfinite(total) else 0
-
-
-@kernel
-def see_waves(which, times, states, seas, waves, groups, response, winds, met):
-    """Refresh ``waves_now`` of some ships, as after a reset; `met` (n, 9) is written."""
-    for i in which:
-        if seas[i].wavy == 1:
-            sea, body = seas[i], body_of(state_of(states, i))
-            around = Around(waves[i], groups, response[sea.response], winds[sea.wind_table])
-            found = waves_now(times[i], body, sea, around)
-            for k in range(len(found)):
-                met[i, k] = found[k]
+    waves: Waves
+    winds: np.ndarray
+    gusts: np.ndarray
+    gust_phases: np.ndarray
+    harmonics: np.ndarray
 
 
 class Fleet(NamedTuple):
     """Everything of n ships that a step reads and writes.
 
-    ``state`` (n, 8); ``commands`` (n, 2); ``time`` (n,), own time of each ship [s]; ``clock``
-    (n, 2), integration step [s] and number of steps of each; ``ships``, ``seas``, structured (n,);
-    ``open_water`` (kinds, count, 2) and ``deflected`` (kinds, 2, count, count, 11), tables of each
-    kind of ship, which ``ships.kind`` selects; ``waves``, ``groups``, ``response``, ``winds`` of
-    ``sea.records.Waters``, where ``seas.response`` and ``seas.wind_table`` select; ``forces``
-    (n, N_FORCES, 3) and ``flow`` (n, 7 or 19) at the start of an interval, ``met`` (n, 9), the
-    waves at its end, are written.
+    Attributes
+    ----------
+    state : ndarray (n, 8)
+    commands : ndarray (n, 2)
+    time : ndarray (n,)
+        Own time of each ship [s].
+    clock : ndarray (n, 2)
+        Integration step [s] and number of steps of each interval.
+    ships, seas : structured ndarray (n,)
+        ``ships.records.SHIP_DTYPE``, ``sea.records.SEA_DTYPE``.
+    forces, flow, met : ndarray (n, N_FORCES, 3), ndarray (n, 7 or 19), ndarray (n, 10)
+        Of the first integration step: own forces and flow at its start, those from outside during
+        it; `met`, what the waves do, ``waves.WaveState``, at the end of the interval.
+    tables : Tables
+        Of all kinds of ships: open water (kinds, count, 2), surrogate (kinds, 2, ..., 11);
+        ``ships.kind`` selects.
+    traits : parameters.Traits
+    water : Water
+    scratch : structured ndarray (threads,)
+        ``physics.scratch.SCRATCH``; each thread has its own.
     """
 
     state: np.ndarray
@@ -176,52 +96,246 @@ class Fleet(NamedTuple):
     clock: np.ndarray
     ships: np.ndarray
     seas: np.ndarray
-    open_water: np.ndarray
-    deflected: np.ndarray
-    waves: np.ndarray
-    groups: np.ndarray
-    response: np.ndarray
-    winds: np.ndarray
     forces: np.ndarray
     flow: np.ndarray
     met: np.ndarray
+    tables: Tables
+    traits: Traits
+    water: Water
+    scratch: np.ndarray
 
 
-@loop
-def sail(first, last, fleet):
-    """Advance the ships from `first` up to `last` by one control interval, in place.
+NOTHING = Force(0.0, 0.0, 0.0)
+OUTSIDE = len(OwnForces._fields)
+if (*OwnForces._fields, *HeldLoads._fields) != FORCE_COMPONENTS:
+    raise ImportError(
+        "conventions.FORCES must name the fields of OwnForces, then those of HeldLoads: "
+        f"{', '.join((*OwnForces._fields, *HeldLoads._fields))}"
+    )
+
+
+@kernel
+def held_loads(time, dt, body, sea, water, ship, met, x):
+    """What is held during an integration step, as it is at its middle.
 
     Parameters
     ----------
-    first, last : int
+    time, dt : float
+        Start and length of the step [s].
+    body : Body
+        At its start.
+    sea : record
+    water : Water
+    ship : int
+        Row of the ship.
+    met : ndarray (10,)
+        What waves do to it.
+    x : record
+        Scratch.
+    """
+    wave, wind, disturbance = NOTHING, NOTHING, NOTHING
+    if sea.wavy == 1:
+        wave = Force(met[WAVE_X], met[WAVE_Y], met[WAVE_N])
+    if sea.windy == 1:
+        kind, middle = sea.wind_table, time + 0.5 * dt
+        phases = water.gust_phases[ship]
+        factor = gust_factor(middle, sea.gust_scale, water.gusts[kind], phases, x.gust)
+        psi = body.psi + 0.5 * dt * body.r
+        wind = wind_forces(body.u, body.v, psi, factor, sea, water.winds[kind])
+    if sea.disturbed == 1:
+        Y, N = disturbance_forces(time + 0.5 * dt, sea.omega_1, water.harmonics[ship])
+        disturbance = Force(0.0, Y, N)
+    return HeldLoads(wave, wind, disturbance)
+
+
+@composed
+def see(time, dt, body, sea, water, ship, x, met):
+    """Write what waves do to one ship into `met`: motion now, drift during the coming `dt` [s]."""
+    if sea.wavy == 1:
+        found = wave_loads(time, dt, body, sea, water.waves, ship, x.wave)
+        for k in range(len(found)):
+            met[k] = found[k]
+
+
+@kernel
+def state_body(states, ship):
+    """The body in a row of the states."""
+    return Body(
+        states[ship, U], states[ship, V], states[ship, R],
+        states[ship, X], states[ship, Y], states[ship, PSI],
+    )  # fmt: skip
+
+
+@loop
+def see_waves(which, fleet):
+    """Refresh `met` of some ships, as after a reset."""
+    for ship in which:
+        dt, body = fleet.clock[ship, 0], state_body(fleet.state, ship)
+        sea, met = fleet.seas[ship], fleet.met[ship]
+        see(fleet.time[ship], dt, body, sea, fleet.water, ship, fleet.scratch[0], met)
+
+
+@composed
+def board(x, lo, hi, first, fleet):
+    """Bring ships from row `first` on into the lanes; returns the largest number of steps."""
+    most = 0
+    for i in range(lo, hi):
+        ship = first + i
+        for k in range(6):
+            x.start[k, i] = fleet.state[ship, k]
+        x.delta[START, i], x.n[START, i] = fleet.state[ship, DELTA], fleet.state[ship, N]
+        x.command[0, i], x.command[1, i] = fleet.commands[ship, 0], fleet.commands[ship, 1]
+        x.dt[i], x.steps[i] = fleet.clock[ship, 0], int(fleet.clock[ship, 1])
+        x.kind[i] = fleet.ships[ship].kind
+        most = max(most, x.steps[i])
+        if fleet.traits.each is not None or i == lo:
+            fill_lane(x, i, fleet.ships[ship])
+    return most
+
+
+@composed
+def load_lanes(x, lo, hi, first, step, fleet):
+    """Loads and current of every lane for its next step; those of the first one are kept."""
+    for i in range(lo, hi):
+        ship = first + i
+        sea, met, dt = fleet.seas[ship], fleet.met[ship], x.dt[i]
+        time = fleet.time[ship] + step * dt
+        vary_current(time, sea)
+        x.current[0, i], x.current[1, i] = sea.V_north, sea.V_east
+        body = body_of(x.start, i)
+        if sea.wavy == 1 and met[WAVE_AHEAD] != dt:  # the interval has changed
+            see(time, dt, body, sea, fleet.water, ship, x, met)
+        held = held_loads(time, dt, body, sea, fleet.water, ship, met, x)
+        for k in range(3):
+            x.load[k, i] = held.wave[k] + held.wind[k] + held.disturbance[k]
+        if step == 0:
+            for k in range(3):
+                fleet.forces[ship, OUTSIDE, k] = held.wave[k]
+                fleet.forces[ship, OUTSIDE + 1, k] = held.wind[k]
+                fleet.forces[ship, OUTSIDE + 2, k] = held.disturbance[k]
+
+
+@composed
+def report(x, lo, hi, first, fleet):
+    """Write own forces and flow of every lane, which are those at the start of the interval."""
+    common = ship_at(x, lo, fleet.traits)
+    for i in range(lo, hi):
+        ship = first + i
+        parameters = of_lane(x, i, fleet.traits, common)
+        for k in range(OUTSIDE):
+            for axis in range(3):
+                fleet.forces[ship, k, axis] = x.own[3 * k + axis, i]
+        q = x.units
+        units = Units(
+            Loading(q[0, i], q[1, i], q[2, i], q[3, i], q[4, i]),
+            Loading(q[5, i], q[6, i], q[7, i], q[8, i], q[9, i]),
+        )
+        u_c, v_c = water_velocity(x.start[PSI, i], Current(x.current[0, i], x.current[1, i]))
+        motion = Motion(x.start[U, i] - u_c, x.start[V, i] - v_c, x.start[R, i])
+        flow = flow_of(motion, Controls(x.delta[START, i], x.n[START, i]), units, parameters)
+        for k in range(fleet.flow.shape[1]):
+            fleet.flow[ship, k] = flow[k]
+
+
+@kernel
+def move(x, lo, hi, step):
+    """Put every lane that sails this step at its end."""
+    for i in range(lo, hi):
+        if step < x.steps[i]:
+            for k in range(6):
+                x.start[k, i] += x.sum[k, i]
+            x.delta[START, i], x.n[START, i] = x.delta[END, i], x.n[END, i]
+
+
+@composed
+def look(x, lo, hi, first, step, fleet):
+    """What waves do to every lane that sails this step, at its end."""
+    for i in range(lo, hi):
+        if step < x.steps[i]:
+            ship, dt = first + i, x.dt[i]
+            time, sea, met = fleet.time[ship] + (step + 1) * dt, fleet.seas[ship], fleet.met[ship]
+            see(time, dt, body_of(x.start, i), sea, fleet.water, ship, x, met)
+
+
+@composed
+def land(x, lo, hi, first, fleet):
+    """Write the states back and let time go on; returns how many of the lanes' are finite."""
+    alive = 0
+    for i in range(lo, hi):
+        ship, total = first + i, abs(x.delta[START, i]) + abs(x.n[START, i])
+        for k in range(6):
+            fleet.state[ship, k] = x.start[k, i]
+            total += abs(x.start[k, i])
+        fleet.state[ship, DELTA], fleet.state[ship, N] = x.delta[START, i], x.n[START, i]
+        fleet.time[ship] += x.dt[i] * x.steps[i]
+        alive += 1 if math.isfinite(total) else 0
+    return alive
+
+
+# The stages of `integrate.ask`: k1 at the start y, k2 at y + dt/2 k1, k3 at y + 2 dt k2 - dt k1
+# (the sum before it is dt k1 / 6); the step is dt (k1 + 4 k2 + k3) / 6
+WHEN = (START, MIDDLE, END)
+WEIGHT = (1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0)
+REACH = (0.5, 2.0, 0.0)
+BACK = (0.0, -6.0, 0.0)
+
+
+@composed
+def sail_block(x, lo, hi, first, fleet):
+    """Advance some ships by one control interval.
+
+    Parameters
+    ----------
+    x : record
+        ``physics.scratch.SCRATCH``.
+    lo, hi : int
+        First lane, and the one after the last.
+    first : int
+        Row of the ship in lane 0.
     fleet : Fleet
 
     Returns
     -------
     int
-        Number of them whose new state is finite.
+        Number of ships whose new state is finite.
     """
-    states, commands, times, clock, ships, seas = fleet[:6]
-    open_water, deflected, waves, groups, response, winds, forces, flow, met = fleet[6:]
-    alive = 0
-    for i in range(first, last):
-        ship, sea = ships[i], seas[i]
-        tables = Tables(open_water[ship.kind], deflected[ship.kind])
-        around = Around(waves[i], groups, response[sea.response], winds[sea.wind_table])
-        steps = int(clock[i, 1])
-        tick = (times[i], clock[i, 0], steps)
-        command = Controls(commands[i, 0], commands[i, 1])
-        state, parts, flow_i, after = step_one(
-            state_of(states, i), command, tick, ship, sea, tables, around, waves_of(met, i)
-        )
-        for k in range(len(state)):
-            states[i, k] = state[k]
-        for k in range(len(parts)):
-            forces[i, k, 0], forces[i, k, 1], forces[i, k, 2] = parts[k]
-        for k in range(flow.shape[1]):
-            flow[i, k] = flow_i[k]
-        for k in range(len(after)):
-            met[i, k] = after[k]
-        times[i] += clock[i, 0] * steps
-        alive += finite(state)
+    traits, most = fleet.traits, board(x, lo, hi, first, fleet)
+    for step in range(most):
+        load_lanes(x, lo, hi, first, step, fleet)
+        begin_step(x, lo, hi)
+        for stage in range(len(WHEN)):
+            set_now(x, lo, hi, WHEN[stage])
+            ask(x, lo, hi, WEIGHT[stage], REACH[stage], BACK[stage], fleet.tables, traits)
+            if stage == 0:
+                set_controls(x, lo, hi, traits)
+                if step == 0:
+                    report(x, lo, hi, first, fleet)
+        move(x, lo, hi, step)
+        look(x, lo, hi, first, step, fleet)
+    return land(x, lo, hi, first, fleet)
+
+
+@kernel
+def thread_of(row, n, threads):
+    """Which of the threads has a row, where ``_threads.parts_of`` shares n rows among them."""
+    blocks = (n + LANES - 1) // LANES
+    parts = max(min(threads, blocks), 1)
+    return ((row // LANES + 1) * parts - 1) // blocks
+
+
+@composed
+def sail(first, last, fleet):
+    """Advance the ships from `first` up to `last` by one control interval, in place.
+
+    Returns how many of them have a finite new state.
+    """
+    x, alive = fleet.scratch[thread_of(first, fleet.state.shape[0], fleet.scratch.shape[0])], 0
+    for begin in range(first, last, LANES):
+        alive += sail_block(x, 0, min(LANES, last - begin), begin, fleet)
     return alive
+
+
+@loop
+def sail_rows(first, last, fleet):
+    """`sail` for a caller in Python; the rows are those of one thread."""
+    return sail(first, last, fleet)

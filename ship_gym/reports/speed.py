@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import platform
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,150 +15,143 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
+from ship_gym.config import ConfigError
 from ship_gym.envs.env import ShipEnv
 from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.envs.vector_env import ShipVectorEnv
-from ship_gym.provenance import provenance
-from ship_gym.sea.state import load_sea
-from ship_gym.ships.files import Named
+from ship_gym.provenance import atomic_path, provenance
+from ship_gym.reports.speed_child import (
+    SHIP_ENV,
+    YARDSTICK,
+    Work,
+    best_of,
+    physics,
+    rough_sea,
+    scalar,
+    vector,
+)
+from ship_gym.sea.state import CALM
 from ship_gym.ships.loader import available_surrogates, load_ship
-from ship_gym.ships.particulars import Ship
-from ship_gym.simulation import ShipSim
-from ship_gym.text import table
 
 COUNTS = (1, 64, 4096)
-SHIP_ENV = "ShipGym/HeadingKeeping-v0"
-YARDSTICK = "CartPole-v1"
-SEA = "ss5"
+GROWTH = (1, 16, 256, 1024, 4096, 16384, 65536)
+WAVES = (0, 20, 60, 100, 200)
 COMPARED = (*ENVIRONMENTS.values(), "heading_calm")  # scenarios whose overhead is measured
-_COMPARED = 1024  # ships, to compare a table surrogate with the analytic step
-_PREPARED = 32  # different action batches, drawn before the clock starts
-_FIRST_STEP = (
-    "import time; t = time.perf_counter(); import gymnasium as gym, ship_gym; "
-    f"env = gym.make({SHIP_ENV!r}); env.reset(seed=0); env.step(env.action_space.sample()); "
-    "print(time.perf_counter() - t)"
-)
+_COMPARED = 1024  # ships, to compare a table surrogate with the analytic step, and seas
 _IMPORT = "import time; t = time.perf_counter(); import ship_gym; print(time.perf_counter() - t)"
 
 
-def best_of(call: Callable[[int], Any], repeats: int, seconds: float) -> dict[str, float]:
-    """Time of one call: best of several repeats, and how much the slowest took longer.
+@dataclasses.dataclass(frozen=True)
+class Job:
+    """Something that `measure` times: how to make the work, and under what name it is told.
 
-    Parameters
+    Attributes
     ----------
-    call : callable
-        Takes the running number of the call.
-    repeats : int
-    seconds : float
-        Time of one repeat [s]; the number of calls in it follows from a first trial.
-
-    Returns
-    -------
-    dict
-        ``seconds`` of one call and ``spread_percent``, 100 (slowest - best) / best.
+    table : str
+        Which table of the result it belongs to: ``steps``, ``growth`` or ``waves``.
+    name : str
+    n : int
+        Ships or environments, in table ``waves`` regular waves.
+    make : callable
+    threads : bool
+        Judged by wall time, not by processor time.
     """
-    for k in range(3):  # compile and warm up
-        call(k)
-    start = time.perf_counter()
-    call(0)
-    calls = max(1, int(seconds / max(time.perf_counter() - start, 1e-9)))
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        for k in range(calls):
-            call(k)
-        times.append((time.perf_counter() - start) / calls)
-    return {"seconds": min(times), "spread_percent": 100.0 * (max(times) / min(times) - 1.0)}
 
-
-def physics_step(
-    n: int,
-    parallel: bool,
-    surrogate: str | None = None,
-    sea: str = "disturbed_current",
-    ship: Named | Ship = "kcs",
-) -> Callable[[int], Any]:
-    """One ``ShipSim.step`` of n ships by one control interval (1 s) under random commands."""
-    ship = load_ship(ship, surrogate=surrogate)
-    sim = ShipSim(ship, n, load_sea(sea), parallel)
-    sim.reset(0)
-    rudder = np.random.default_rng(0).uniform(-1.0, 1.0, (_PREPARED, n)) * ship.gear.delta_max
-    order = np.broadcast_to(sim.state[:, -1], (_PREPARED, n))
-    commands = np.stack([rudder, order], axis=-1)
-    return lambda k: sim.step(commands[k % _PREPARED], 1.0)
-
-
-def vector_step(env_id: str, n: int, **kwargs) -> Callable[[int], Any]:
-    """One step of a native vector environment with infos and autoreset under random actions."""
-    envs = gym.make_vec(env_id, num_envs=n, vectorization_mode="vector_entry_point", **kwargs)
-    envs.reset(seed=0)
-    envs.action_space.seed(0)
-    actions = [envs.action_space.sample() for _ in range(_PREPARED)]
-    return lambda k: envs.step(actions[k % _PREPARED])
-
-
-def scalar_step(env: gym.Env) -> Callable[[int], Any]:
-    """One step of a scalar environment under random actions, reset when an episode ends."""
-    env.reset(seed=0)
-    env.action_space.seed(0)
-    actions = [env.action_space.sample() for _ in range(_PREPARED)]
-
-    def step(k: int) -> None:
-        _, _, terminated, truncated, _ = env.step(actions[k % _PREPARED])
-        if terminated or truncated:
-            env.reset()
-
-    return step
+    table: str
+    name: str
+    n: int
+    make: Callable[[], Work]
+    threads: bool = False
 
 
 def jobs(
-    counts: tuple[int, ...] = COUNTS, **env: Any
-) -> Iterator[tuple[str, int, Callable[[], Callable]]]:
-    """What is timed: name, number of ships or environments, and how to make the call.
+    counts: tuple[int, ...] = COUNTS,
+    growth: tuple[int, ...] = GROWTH,
+    waves: tuple[int, ...] = WAVES,
+    **env: Any,
+) -> Iterator[Job]:
+    """What is timed.
 
     Parameters
     ----------
     counts : tuple of int
+        Ships of the table of steps.
+    growth : tuple of int
+        Ships of the table of growth.
+    waves : tuple of int
+        Regular waves of a sea.
     **env
         Arguments of ``ShipEnv``, of the environments that are timed; the ship of the physics too.
     """
     ship = env.get("ship") or "kcs"
-    wavy = bool(load_ship(ship).wave_table)
     for n in counts:
-        for mode, parallel in (("serial", False), ("parallel", True)):
-            yield f"ShipSim.step, {mode}", n, lambda n=n, p=parallel: physics_step(n, p, ship=ship)
-        for mode, parallel in (("serial", False), ("parallel", True)) if wavy else ():
-            yield (
-                f"ShipSim.step in waves, {mode}",
-                n,
-                lambda n=n, p=parallel: physics_step(n, p, sea=SEA, ship=ship),
-            )
-        for mode, parallel in (("serial", False), ("parallel", True)):
-            yield (
-                f"ShipVectorEnv.step, {mode}",
-                n,
-                lambda n=n, p=parallel: vector_step(SHIP_ENV, n, parallel=p, **env),
-            )
-        yield f"{YARDSTICK} vector step", n, lambda n=n: vector_step(YARDSTICK, n)
+        yield from _steps(n, ship, env)
+    yield from _others(ship, env)
+    seas = _seas(ship)
+    for n in growth:
+        for name, sea in seas.items():
+            yield Job("growth", name, n, lambda n=n, sea=sea: physics(n, sea, False, ship))
+        yield Job(
+            "growth", "environment", n, lambda n=n: vector(SHIP_ENV, n, parallel=False, **env)
+        )
+        yield Job("growth", YARDSTICK, n, lambda n=n: vector(YARDSTICK, n))
+    for count in waves if "waves" in seas else ():
+        yield Job(
+            "waves",
+            "physics",
+            count,
+            lambda count=count: physics(_COMPARED, rough_sea(count), False, ship),
+        )
+
+
+def _seas(ship: Any) -> dict[str, Any]:
+    """Calm water, and for ships with a wave table a rough sea."""
+    found = {"calm": CALM}
+    if load_ship(ship).wave_table:
+        found["waves"] = rough_sea()
+    return found
+
+
+def _steps(n: int, ship: Any, env: dict[str, Any]) -> Iterator[Job]:
+    for mode, p in (("one core", False), ("threads", True)):
+        for name, sea in _seas(ship).items():
+            title = f"physics, {name}, {mode}"
+            yield Job("steps", title, n, lambda p=p, sea=sea: physics(n, sea, p, ship), p)
+        title = f"HeadingKeeping, {mode}" if "scenario" not in env else f"environment, {mode}"
+        yield Job("steps", title, n, lambda p=p: vector(SHIP_ENV, n, parallel=p, **env), p)
+    yield Job("steps", f"{YARDSTICK} vector", n, lambda: vector(YARDSTICK, n))
+
+
+def _others(ship: Any, env: dict[str, Any]) -> Iterator[Job]:
     known = available_surrogates(ship)
     for surrogate in (name for name in ("none", "gp") if name in known):
         name = "analytic MMG rudder" if surrogate == "none" else f"surrogate {surrogate}"
-        yield (
-            f"ShipSim.step, serial, {name}",
+        yield Job(
+            "steps",
+            f"physics, calm, {name}",
             _COMPARED,
-            lambda s=surrogate: physics_step(_COMPARED, False, s, ship=ship),
+            lambda s=surrogate: physics(_COMPARED, CALM, False, load_ship(ship, surrogate=s)),
         )
     named = {env_id: {"scenario": scenario} for env_id, scenario in ENVIRONMENTS.items()}
     for name, given in ({"environment": {}} if "scenario" in env else named).items():
-        yield f"{name} step", 1, lambda given=given: scalar_step(ShipEnv(**env | given))
-    yield f"gym.make({YARDSTICK}).step", 1, lambda: scalar_step(gym.make(YARDSTICK))
+        yield Job("steps", f"{name} step", 1, lambda given=given: scalar(ShipEnv(**env | given)))
+    yield Job("steps", f"{YARDSTICK} step", 1, lambda: scalar(gym.make(YARDSTICK).unwrapped))
 
 
-def measure(job: tuple[str, int, Callable[[], Callable]], repeats: int, seconds: float) -> dict:
-    """Time one of `jobs`; adds steps per second over all ships or environments."""
-    name, n, make = job
-    found = best_of(make(), repeats, seconds)
-    return {"name": name, "n": n, **found, "steps_per_second": n / found["seconds"]}
+def measure(job: Job, repeats: int, seconds: float) -> dict[str, Any]:
+    """Time one of `jobs`.
+
+    Returns
+    -------
+    dict
+        ``table``, ``name``, ``n``, ``threads``; ``seconds`` of one step of one ship or
+        environment, processor time or with threads wall time; ``processor``, ``wall`` and
+        ``spread_percent`` as in ``speed_child.best_of``.
+    """
+    found = best_of(job.make(), repeats, seconds)
+    seconds_ = found["wall" if job.threads else "processor"]
+    told = {"table": job.table, "name": job.name, "n": job.n, "threads": job.threads}
+    return {**told, "seconds": seconds_, **found}
 
 
 def overhead(scenario: Any, n: int, repeats: int, **env: Any) -> dict[str, Any]:
@@ -180,33 +173,22 @@ def overhead(scenario: Any, n: int, repeats: int, **env: Any) -> dict[str, Any]:
             start = time.process_time()
             call()
             found.append(time.process_time() - start)
-    physics, step = (min(found[1:]) for found in times)
-    percent = 100.0 * (step / physics - 1.0)
-    return {"scenario": str(scenario), "n": n, "physics": physics, "step": step, "percent": percent}
+    physics_, step = (min(found[1:]) for found in times)
+    percent = 100.0 * (step / physics_ - 1.0)
+    return {
+        "scenario": str(scenario),
+        "n": n,
+        "physics": physics_,
+        "step": step,
+        "percent": percent,
+    }
 
 
-def start_times(cold: bool = True) -> dict[str, float]:
-    """Times [s] of a fresh Python: import, and import plus first step with cold and warm cache.
-
-    Parameters
-    ----------
-    cold : bool
-        Also compile everything anew, which takes a minute.
-    """
-    found = {"import": min(_fresh(_IMPORT) for _ in range(3))}
-    if cold:
-        with tempfile.TemporaryDirectory(prefix="ship_gym-") as folder:
-            found["first_step_cold_cache"] = _fresh(_FIRST_STEP, folder)
-            found["first_step_warm_cache"] = min(_fresh(_FIRST_STEP, folder) for _ in range(3))
-    return found
-
-
-def _fresh(code: str, cache: str | None = None) -> float:
-    """Number that a line of Python prints in a process of its own."""
-    environment = {**os.environ, **({"NUMBA_CACHE_DIR": cache} if cache else {})}
-    command = [sys.executable, "-c", code]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-    return float(done.stdout)
+def import_time() -> float:
+    """Wall time [s] of ``import ship_gym`` in a fresh Python, best of three."""
+    command = [sys.executable, "-c", _IMPORT]
+    found = [subprocess.run(command, capture_output=True, text=True, check=True) for _ in range(3)]
+    return min(float(done.stdout) for done in found)
 
 
 def machine() -> dict[str, Any]:
@@ -221,31 +203,30 @@ def machine() -> dict[str, Any]:
     return {"processor": model, "cores": cores, "system": platform.platform(), **provenance()}
 
 
-def as_text(data: dict[str, Any]) -> str:
-    """Timings as an aligned table, from ``{"machine", "steps", "overhead", "start"}``."""
-    host = data["machine"]
-    cells = [
-        [
-            row["name"],
-            str(row["n"]),
-            f"{row['steps_per_second']:,.0f}",
-            f"{1e6 * row['seconds']:,.1f}",
-            f"{row['spread_percent']:.0f} %" if row["spread_percent"] < 1000.0 else "> 1000 %",
-        ]
-        for row in data["steps"]
-    ]
-    lines = [
-        f"{host['processor']}, {host['cores']} cores, Python {host['versions']['python']}",
-        "one step = one control interval (1 s at sea) of one ship; best of several repeats",
-        "",
-        table(["", "n", "steps/s", "us per call", "spread"], cells),
-        "",
-        *(
-            f"{o['scenario']}, n = {o['n']}: task, observation, reward and info cost "
-            f"{o['percent']:.0f} % of the physics ({1e6 * o['physics'] / o['n']:.2f} us a ship)"
-            for o in data["overhead"]
-        ),
-        "",
-        *(f"{name.replace('_', ' ')}: {t:.2f} s" for name, t in data["start"].items()),
-    ]
-    return "\n".join(lines)
+BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
+
+
+def parts_of_page(page: str | os.PathLike) -> tuple[str, str]:
+    """What a Markdown page holds before and after its figures, which stand between two marks.
+
+    Raises
+    ------
+    ConfigError
+        The page does not exist or lacks the marks.
+    """
+    page = Path(page)
+    known = page.read_text(encoding="utf-8") if page.is_file() else ""
+    before, begin, rest = known.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not (begin and end):
+        raise ConfigError(f"--page {page}: must be a page with the marks {BEGIN} and {END}")
+    return before, after
+
+
+def write_into(page: str | os.PathLike, text: str) -> None:
+    """Replace the figures of a page, see `parts_of_page`, by a block of text."""
+    before, after = parts_of_page(page)
+    with atomic_path(page) as temporary:
+        temporary.write_text(
+            f"{before}{BEGIN}\n\n```text\n{text}\n```\n\n{END}{after}", encoding="utf-8"
+        )

@@ -20,11 +20,14 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import G
+from ship_gym.physics.disturbance import draw_disturbance
+from ship_gym.physics.scratch import GUST_COLUMNS, N_GUSTS, in_lines
+from ship_gym.physics.step import Water
+from ship_gym.physics.waves import EIGHT_WAVES, Waves
+from ship_gym.sea.components import WaveComponents
 from ship_gym.sea.gusts import gust_harmonics
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.sea.wave_response import (
-    BLANK_RESPONSE,
-    N_WAVE,
     SPEED_STEP,
     energy_outside,
     wave_response,
@@ -36,45 +39,47 @@ from ship_gym.ships.records import numbered
 
 N_HARMONICS = 16
 N_DISTURBANCE = 2 * N_HARMONICS  # phases of sway force and yaw moment
-N_GUSTS = 20
 _FIRST = 0.4  # omega_1 T: 90 % of the spectrum's variance lies below the last harmonic
 
 SEA_DTYPE = np.dtype(
     (
         np.record,
-        [
-            # what every step reads stands together, in the first cache lines
-            ("V_north", np.float64),  # current now, and its mean and slow variation
-            ("V_east", np.float64),
-            ("disturbed", np.int64),
-            ("wavy", np.int64),
-            ("windy", np.int64),
-            ("variation", np.float64),
-            ("response", np.int64),
-            ("wind_table", np.int64),
-            ("omega_1", np.float64),
-            ("Y_std", np.float64),
-            ("N_std", np.float64),
-            ("mean_north", np.float64),
-            ("mean_east", np.float64),
-            ("variation_omega", np.float64),
-            ("variation_phase", np.float64),
-            ("drift", np.float64),  # 1 with drift, 0 without
-            ("mean_drift", np.int64),
-            ("speed_step", np.float64),  # of the response table, and its largest [m/s]
-            ("speed_max", np.float64),
-            ("waves_outside", np.float64),  # share of the waves' energy outside the table
-            ("A_F", np.float64),  # areas and length that the wind sees [m2], [m]
-            ("A_L", np.float64),
-            ("L_oa", np.float64),
-            ("wind_north", np.float64),  # mean wind velocity [m/s]
-            ("wind_east", np.float64),
-            *(
-                (name, np.float64, (N_HARMONICS,))
-                for name in ("amplitude", "Y_cos", "Y_sin", "N_cos", "N_sin")
-            ),
-            *((f"gust_{name}", np.float64, (N_GUSTS,)) for name in ("share", "omega", "phase")),
-        ],
+        np.dtype(
+            [
+                # what every step reads stands together, in the first cache lines
+                ("V_north", np.float64),  # current now, and its mean and slow variation
+                ("V_east", np.float64),
+                ("disturbed", np.int64),
+                ("wavy", np.int64),
+                ("windy", np.int64),
+                ("variation", np.float64),
+                ("response", np.int64),
+                ("wind_table", np.int64),
+                ("omega_1", np.float64),
+                ("Y_std", np.float64),
+                ("N_std", np.float64),
+                ("mean_north", np.float64),
+                ("mean_east", np.float64),
+                ("variation_omega", np.float64),
+                ("variation_phase", np.float64),
+                ("drift", np.float64),  # 1 with drift, 0 without
+                ("mean_drift", np.int64),
+                ("speed_step", np.float64),  # of the response table, and its largest [m/s]
+                ("speed_max", np.float64),
+                ("waves_outside", np.float64),  # share of the waves' energy outside the table
+                ("A_F", np.float64),  # areas and length that the wind sees [m2], [m]
+                ("A_L", np.float64),
+                ("L_oa", np.float64),
+                ("wind_north", np.float64),  # mean wind velocity [m/s]
+                ("wind_east", np.float64),
+                ("gust_scale", np.float64),  # of the shares of the gusts' harmonics
+                ("wave_share", np.float64),  # height of the waves by that of their components
+                ("wave_to", np.float64),  # where they go to, from north [rad],
+                ("wave_north", np.float64),  # and its cosine and sine: set_direction
+                ("wave_east", np.float64),
+            ],
+            align=True,
+        ),
     )
 )
 
@@ -83,40 +88,73 @@ SEA_DTYPE = np.dtype(
 class Waters:
     """What surrounds n ships.
 
+    What the seas of many ships have in common, such as the components of their waves, is there
+    once for each different pair of ship and sea; `records` says which.
+
     Attributes
     ----------
     records : numpy.ndarray
         SEA_DTYPE, shape (n,).
-    waves : numpy.ndarray
-        Shape (n, 6, N), rows of ``physics.waves``; set by ``physics.waves.set_waves``.
-    components : numpy.ndarray
-        Shape (n, N, 3): amplitude [m], frequency [rad/s] and direction relative to the sea's main
-        one [rad], from which `waves` are set.
-    groups : numpy.ndarray
-        First wave of each direction, and N, shape (G + 1,).
-    response : numpy.ndarray
-        Shape (kinds, speeds, headings, N, 9).
+    waves : physics.waves.Waves
+    columns : numpy.ndarray
+        Where the waves stand in the arrays of `waves`, the rest of which fills up: shape (N,).
     winds : numpy.ndarray
         Wind coefficients, shape (kinds, 181, 3).
+    gusts, gust_phases : numpy.ndarray
+        Share and frequency [rad/s] of the gusts' harmonics, shape (kinds, 2, K), and their phases
+        [turns], shape (n, K); K = 0 where no ship has gusts.
+    harmonics : numpy.ndarray
+        Of the disturbance, shape (n, 4, H); H = 0 where there is none.
     """
 
     records: np.ndarray
-    waves: np.ndarray
-    components: np.ndarray
-    groups: np.ndarray
-    response: np.ndarray
+    waves: Waves
+    columns: np.ndarray
     winds: np.ndarray
+    gusts: np.ndarray
+    gust_phases: np.ndarray
+    harmonics: np.ndarray
 
     @property
     def n_waves(self) -> int:
         """Number of waves."""
-        return self.waves.shape[2]
+        return len(self.columns)
 
     @property
     def n_phases(self) -> int:
         """Uniform numbers for the phases of one ship: of the disturbance, then of the rest."""
         rest = self.n_waves or self.records["windy"].any() or self.records["variation"].any()
         return N_DISTURBANCE + (1 + N_GUSTS + self.n_waves if rest else 0)
+
+    @property
+    def arrays(self) -> Water:
+        """As the kernels take it."""
+        return Water(self.waves, self.winds, self.gusts, self.gust_phases, self.harmonics)
+
+    def waves_of(self, ship: int) -> np.ndarray:
+        """The waves of one ship as they are, shape (5, N), rows of ``physics.waves``.
+
+        Amplitude [m], frequency [rad/s], wave number [1/m], phase [turns] and the direction to
+        which they go [rad].
+        """
+        record, waves = self.records[ship], self.waves
+        amplitude, omega, number = waves.components[record["response"]]
+        each = np.repeat(waves.offsets, 8 * np.diff(waves.groups).astype(int))
+        direction = record["wave_to"] + each
+        phase = waves.phases[ship]
+        found = np.stack([record["wave_share"] * amplitude, omega, number, phase, direction])
+        return found[:, self.columns]
+
+    def for_ships(self, rows: np.ndarray) -> Waters:
+        """The seas of the given rows, one each; their phases are still to be drawn."""
+        n = len(rows)
+        return dataclasses.replace(
+            self,
+            records=self.records[rows],
+            waves=self.waves._replace(phases=_no_phases(n, self.waves.phases.shape[1])),
+            gust_phases=np.zeros((n, self.gust_phases.shape[1])),
+            harmonics=np.zeros((n, *self.harmonics.shape[1:])),
+        )
 
 
 def disturbance_spectrum(omega, correlation_time: float):
@@ -136,6 +174,9 @@ def disturbance_harmonics(correlation_time: float) -> tuple[np.ndarray, np.ndarr
     omega = _FIRST / correlation_time * np.arange(1, N_HARMONICS + 1)
     energy = disturbance_spectrum(omega, correlation_time)
     return omega, np.sqrt(2.0 * energy / energy.sum())
+
+
+DISTURBANCE_AMPLITUDE = disturbance_harmonics(1.0)[1]  # the same for every correlation time
 
 
 def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
@@ -164,15 +205,15 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
     for other in parts:
         if not np.array_equal(other.direction, first.direction):
             raise ConfigError("the seas of one simulation must have the same wave directions")
-    count = len(first.omega)
     records = np.zeros(len(ships), SEA_DTYPE)
-    components = np.zeros((len(ships), count, 3))
     responses: list[np.ndarray] = []
+    components: list[np.ndarray] = []
     winds: list[np.ndarray] = []
+    gusts: list[np.ndarray] = []
     made: dict[tuple[int, int], int] = {}
     for i, key in enumerate(zip(ship_numbers, sea_numbers, strict=True)):
         if key in made:
-            records[i], components[i] = records[made[key]], components[made[key]]
+            records[i] = records[made[key]]
             continue
         made[key] = i
         ship, s = kinds[key[0]], different[key[1]]
@@ -180,37 +221,93 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
         if s.wind_speed > 0.0:
             records[i]["wind_table"] = len(winds)
             winds.append(wind_table(ship.wind, ship.wind_type, ship.hull.B, s.wind_method).values)
-        if count:
-            waves = parts[key[1]]
-            components[i] = np.stack([waves.amplitude, waves.omega, waves.direction], axis=1)
-            records[i]["wavy"], records[i]["response"] = 1, len(responses)
-            records[i]["speed_step"] = SPEED_STEP * math.sqrt(G * ship.hull.L)
-            records[i]["waves_outside"] = energy_outside(ship, waves)
-            responses.append(wave_response(ship, waves.omega, s.surge_model))
-            records[i]["speed_max"] = wave_table_of(ship).froude[-1] * math.sqrt(G * ship.hull.L)
-    breaks = np.flatnonzero(np.diff(first.direction)) + 1
-    groups = np.array([0, *breaks.tolist(), count] if count else [0], dtype=np.int64)
-    response = _stacked(responses) if responses else BLANK_RESPONSE
-    waves = np.zeros((len(ships), N_WAVE, count))
-    table = np.stack(winds) if winds else np.zeros((1, 2, 3))
-    return Waters(records, waves, components, groups, response, table)
+            gusts.append(_gusts(ship, s))
+        if len(first.omega):
+            _fill_waves(records[i], ship, parts[key[1]], len(responses))
+            omega = parts[key[1]].omega
+            responses.append(wave_response(ship, omega, s.surge_model))
+            components.append(np.stack([parts[key[1]].amplitude, omega, omega**2 / G]))
+    n = len(ships)
+    offsets, groups, columns = _in_eights(first.direction)
+    count = 8 * int(groups[-1])
+    waves = Waves(
+        components=_filled(np.array(components), columns, count)
+        if components
+        else np.zeros((1, 3, 0)),
+        offsets=offsets,
+        turns=np.stack([np.cos(offsets), np.sin(offsets)], axis=1),
+        groups=groups,
+        response=_eight_by_eight(_filled(_stacked(responses), columns, count))
+        if responses
+        else np.zeros((1, 2, 2, 0), EIGHT_WAVES),
+        phases=_no_phases(n, count),
+    )
+    gusty = any(s.gusts for s in different)
+    return Waters(
+        records,
+        waves,
+        columns,
+        winds=np.stack(winds) if winds else np.zeros((1, 2, 3)),
+        gusts=np.stack(gusts) if gusty else np.zeros((max(len(gusts), 1), 2, 0)),
+        gust_phases=np.zeros((n, GUST_COLUMNS if gusty else 0)),
+        harmonics=np.zeros((n, 4, N_HARMONICS if records["disturbed"].any() else 0)),
+    )
 
 
-def set_phases(records: np.ndarray, uniform: np.ndarray) -> None:
-    """Set the phases of the slow current and of the gusts, if there are any, in place.
+def set_phases(water: Waters, which: np.ndarray, uniform: np.ndarray) -> None:
+    """Set all phases of some ships, in place.
 
     Parameters
     ----------
-    records : numpy.ndarray
-        SEA_DTYPE, shape (n,).
+    water : Waters
+    which : numpy.ndarray
+        Indices of the ships, shape (m,).
     uniform : numpy.ndarray
-        Numbers in [0, 1), shape (n, `Waters.n_phases`): phases of the disturbance
-        (``physics.disturbance.set_harmonics``), of the current, of the gusts and of the waves
-        (``physics.waves.set_waves``), as fractions of a turn.
+        Numbers in [0, 1), shape (m, `Waters.n_phases`): phases of the disturbance, of the current,
+        of the gusts and of the waves, as fractions of a turn.
     """
+    if water.harmonics.shape[2]:
+        draw_disturbance(which, water.harmonics, water.records, DISTURBANCE_AMPLITUDE, uniform)
     if uniform.shape[1] > N_DISTURBANCE:
-        records["variation_phase"] = uniform[:, N_DISTURBANCE]
-        records["gust_phase"] = uniform[:, N_DISTURBANCE + 1 :][:, :N_GUSTS]
+        water.records["variation_phase"][which] = uniform[:, N_DISTURBANCE]
+        if water.gust_phases.shape[1]:
+            gusts = uniform[:, N_DISTURBANCE + 1 :][:, :N_GUSTS]
+            water.gust_phases[which, :N_GUSTS] = gusts
+        phases = uniform[:, uniform.shape[1] - water.n_waves :]
+        water.waves.phases[np.ix_(which, water.columns)] = phases
+
+
+def _in_eights(direction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Different directions, the first eight of each, and the columns of all waves.
+
+    Each direction begins with an eight of its own, as ``physics.waves.sum_waves`` needs it.
+    """
+    offsets, counts = np.unique(direction, return_counts=True)
+    groups = np.concatenate([[0], np.cumsum(-(-counts // 8))]).astype(np.uint64)
+    starts = np.repeat(8 * groups[:-1].astype(np.int64), counts)
+    within = np.concatenate([np.arange(c) for c in counts]) if len(counts) else np.zeros(0)
+    return offsets, groups, starts + within.astype(np.int64)
+
+
+def _no_phases(n: int, count: int) -> np.ndarray:
+    """Phases of n ships; single precision, 4e-7 rad, is half the memory of an environment's sea."""
+    return in_lines(np.zeros((n, count), np.float32))
+
+
+def _filled(values: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
+    """Values (..., N) in their columns of `count`, zero elsewhere."""
+    found = in_lines(np.zeros((*values.shape[:-1], count)))
+    found[..., columns] = values
+    return found
+
+
+def _eight_by_eight(response: np.ndarray) -> np.ndarray:
+    """Response (..., 9, N) as ``physics.waves.EIGHT_WAVES`` (..., N / 8)."""
+    *rest, channels, count = response.shape
+    parts = response.reshape(*rest, channels, count // 8, 8)
+    found = in_lines(np.zeros((*rest, count // 8), EIGHT_WAVES))
+    found["of"] = np.swapaxes(parts, -3, -2)
+    return found
 
 
 def _stacked(responses: list[np.ndarray]) -> np.ndarray:
@@ -222,7 +319,7 @@ def _stacked(responses: list[np.ndarray]) -> np.ndarray:
 
 def _fill(record: np.record, ship: Ship, sea: Sea) -> None:
     """Everything of a sea but its waves."""
-    omega, amplitude = disturbance_harmonics(sea.correlation_time * ship.hull.L / ship.speed)
+    omega, _ = disturbance_harmonics(sea.correlation_time * ship.hull.L / ship.speed)
     force = 0.5 * ship.rho * ship.hull.L * ship.hull.d * ship.speed**2
     north = sea.current_speed * math.cos(sea.current_direction_to)
     east = sea.current_speed * math.sin(sea.current_direction_to)
@@ -231,7 +328,7 @@ def _fill(record: np.record, ship: Ship, sea: Sea) -> None:
     record["variation"] = sea.current_variation if sea.current_speed > 0.0 else 0.0
     record["variation_omega"] = 2.0 * math.pi / sea.current_period
     record["disturbed"] = sea.sway_disturbance > 0.0 or sea.yaw_disturbance > 0.0
-    record["omega_1"], record["amplitude"] = omega[0], amplitude
+    record["omega_1"] = omega[0]
     record["Y_std"] = sea.sway_disturbance * force
     record["N_std"] = sea.yaw_disturbance * force * ship.hull.L
     record["drift"], record["mean_drift"] = sea.drift != "none", sea.drift == "mean"
@@ -249,8 +346,24 @@ def _fill_wind(record: np.record, ship: Ship, sea: Sea) -> None:
         record[name] = getattr(ship.wind, name)
     record["wind_north"] = -sea.wind_speed * math.cos(sea.wind_direction_from)
     record["wind_east"] = -sea.wind_speed * math.sin(sea.wind_direction_from)
-    if sea.gusts:
-        full = sea.wind_speed * ship.time_unit  # the spectrum is that of the full scale
-        height = max(ship.wind.s_H * ship.scale, 1.0)
-        omega, amplitude = gust_harmonics(full, height, N_GUSTS)
-        record["gust_omega"], record["gust_share"] = omega * ship.time_unit, amplitude / full
+    record["gust_scale"] = 1.0 if sea.gusts else 0.0
+
+
+def _fill_waves(record: np.record, ship: Ship, waves: WaveComponents, kind: int) -> None:
+    record["wavy"], record["response"], record["wave_share"] = 1, kind, 1.0
+    record["wave_north"] = 1.0  # until they are set
+    record["waves_outside"] = energy_outside(ship, waves)
+    record["speed_step"] = SPEED_STEP * math.sqrt(G * ship.hull.L)
+    record["speed_max"] = wave_table_of(ship).froude[-1] * math.sqrt(G * ship.hull.L)
+
+
+def _gusts(ship: Ship, sea: Sea) -> np.ndarray:
+    """Share and frequency [rad/s] of the gusts' harmonics, zero without and where they fill up."""
+    found = np.zeros((2, GUST_COLUMNS))
+    if not sea.gusts:
+        return found
+    full = sea.wind_speed * ship.time_unit  # the spectrum is that of the full scale
+    height = max(ship.wind.s_H * ship.scale, 1.0)
+    omega, amplitude = gust_harmonics(full, height, N_GUSTS)
+    found[:, :N_GUSTS] = amplitude / full, omega * ship.time_unit
+    return found

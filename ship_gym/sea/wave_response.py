@@ -16,11 +16,9 @@ from ship_gym.ships.files import Named, available_ships
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 
-N_WAVE = 6  # numbers of one wave, see ``physics.waves``
 N_RESPONSE = 9  # channels of `wave_response`
 SPEED_STEP = 0.05  # of the Froude number
 _SAME_HULL = 0.02  # of B / L and d / L: rounding of printed particulars
-BLANK_RESPONSE = np.zeros((1, 2, 2, 0, N_RESPONSE))
 
 
 @functools.lru_cache(maxsize=16)
@@ -136,7 +134,7 @@ def wave_response(ship: Ship, omega: np.ndarray, surge_model: str) -> np.ndarray
     Returns
     -------
     numpy.ndarray
-        Shape (speeds, headings, N, 9), Froude number every `SPEED_STEP` from 0, headings mu from 0
+        Shape (speeds, headings, 9, N), Froude number every `SPEED_STEP` from 0, headings mu from 0
         to pi: X, Y [N/m2], N about midship [N m/m2]; real and imaginary part of sway [m/m], roll
         and yaw [rad/m].
     """
@@ -150,7 +148,7 @@ def wave_response(ship: Ship, omega: np.ndarray, surge_model: str) -> np.ndarray
     for mode, factor in (("sway", 1.0), ("roll", k), ("yaw", k)):
         motion = factor * _at(table, table.motions[..., MODES.index(mode)], omega, h.L)
         parts += [motion.real, motion.imag]
-    return np.ascontiguousarray(np.stack(parts, axis=-1), dtype=np.float64)
+    return np.ascontiguousarray(np.stack(parts, axis=-2), dtype=np.float64)
 
 
 def _at(table: WaveTable, values: np.ndarray, omega: np.ndarray, L: float) -> np.ndarray:

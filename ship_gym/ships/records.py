@@ -10,6 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from ship_gym.config import ConfigError
+from ship_gym.physics.parameters import SECTIONS
 from ship_gym.ships.particulars import (
     Engine,
     Hull,
@@ -25,7 +26,7 @@ from ship_gym.tables import Table
 
 T = TypeVar("T", bound=Hashable)
 
-SECTIONS = {
+_SOURCES = {
     "hull": Hull,
     "propeller": Propeller,
     "rudder": Rudder,
@@ -46,17 +47,19 @@ def surrogate_names(units: int) -> tuple[str, ...]:
     return CHANNELS if units == 1 else (*CHANNELS, *(f"{name} windward" for name in CHANNELS))
 
 
-def _section_dtype(cls: type) -> np.dtype:
-    return np.dtype((np.record, [(f.name, np.float64) for f in dataclasses.fields(cls)]))
+def _aligned(fields: list) -> np.dtype:
+    return np.dtype((np.record, np.dtype(fields, align=True)))
 
 
-SHIP_DTYPE = np.dtype(
-    (
-        np.record,
-        [("rho", np.float64), ("kind", np.int64)]
-        + [(name, _section_dtype(cls)) for name, cls in SECTIONS.items()],
-    )
+SHIP_DTYPE = _aligned(
+    [("rho", np.float64), ("kind", np.int64)]
+    + [
+        (name, _aligned([(field, np.float64) for field in part._fields]))
+        for name, part in SECTIONS.items()
+    ]
 )
+if set(SECTIONS) != set(_SOURCES):
+    raise ImportError(f"parameters.SECTIONS and the dataclasses of a ship differ: {set(_SOURCES)}")
 
 
 def surrogate_section(table: Table | None) -> Surrogate:
@@ -191,8 +194,8 @@ def _fill(record: np.record, ship: Ship, kind: int) -> None:
     }
     record["rho"], record["kind"] = ship.rho, kind
     for name, part in parts.items():
-        for field in dataclasses.fields(part):
-            record[name][field.name] = getattr(part, field.name)
+        for field in SECTIONS[name]._fields:
+            record[name][field] = getattr(part, field)
 
 
 def _stacked(tables: list[np.ndarray], name: str) -> np.ndarray:

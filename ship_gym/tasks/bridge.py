@@ -13,7 +13,7 @@ import numpy as np
 
 from ship_gym.conventions import DELTA, FLOW_TORQUE, N, R, U, V
 from ship_gym.physics._kernel import kernel
-from ship_gym.physics.angles import wrapped
+from ship_gym.physics.angles import cos_sin
 from ship_gym.physics.propeller import shaft_power
 from ship_gym.tasks.base import DIVERGED, RUNNING, Row, check_names
 from ship_gym.tasks.rewards import COSTS
@@ -181,10 +181,10 @@ def observe_bridge(state, waves, command, ship, sea, task, interval, row):
     Measured
     """
     seen = measured(state, waves, sea, task, interval)
-    psi_e = wrapped(seen.psi - task.psi_ordered)
+    cos_error, sin_error = cos_sin(seen.psi - task.psi_ordered)
     values = BridgeView(
-        sin_error=math.sin(psi_e),
-        cos_error=math.cos(psi_e),
+        sin_error=sin_error,
+        cos_error=cos_error,
         yaw_rate=seen.r * ship.hull.L / task.speed,
         surge=seen.u / task.speed,
         sway=seen.v / task.speed,

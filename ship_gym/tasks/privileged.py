@@ -6,6 +6,7 @@ import math
 
 from ship_gym.conventions import FORCE_COMPONENTS, PSI, G
 from ship_gym.physics._kernel import kernel
+from ship_gym.physics.angles import cos_sin
 from ship_gym.physics.dynamics import water_velocity
 from ship_gym.tasks.base import Row
 from ship_gym.tasks.bridge import clipped
@@ -56,10 +57,10 @@ _SEA = len(OBSERVATIONS) - len(_FORCES)
 def observe(state, forces, ship, sea, task, first, row):
     """Write sea and forces of one ship from column `first` on; zero forces after a reset."""
     psi = state[PSI]
-    c, s = math.cos(psi), math.sin(psi)
+    c, s = cos_sin(psi)
     u_c, v_c = water_velocity(psi, sea)
     wet = 1.0 if task.wave_height > 0.0 else 0.0
-    mu = psi - task.wave_to
+    cos_mu, sin_mu = cos_sin(psi - task.wave_to)
     values = (
         u_c / task.speed,
         v_c / task.speed,
@@ -67,8 +68,8 @@ def observe(state, forces, ship, sea, task, first, row):
         (sea.wind_east * c - sea.wind_north * s) / task.speed,
         task.wave_height / ship.hull.d,
         task.wave_period * math.sqrt(G / task.L) / (2.0 * math.pi),
-        wet * math.sin(mu),
-        wet * math.cos(mu),
+        wet * sin_mu,
+        wet * cos_mu,
     )
     for k in range(_SEA):
         row[first + k] = clipped(values[k], _LOW[k], _HIGH[k])

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from ship_gym.conventions import PSI, R, U, V, X, Y
 from ship_gym.physics._kernel import kernel
-from ship_gym.physics.angles import cos_sin_of_turns
+from ship_gym.physics.angles import cos_sin, cos_sin_of_turns
 from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.waves import WAVE_SWAY, WAVE_SWAY_VELOCITY, WAVE_YAW, WAVE_YAW_RATE
 
@@ -73,8 +73,8 @@ def measured(state, waves, sea, task, interval):
     psi = state[PSI]
     u_c, v_c = water_velocity(psi, sea)
     u, v = state[U] - u_c, state[V] - v_c + waves[WAVE_SWAY_VELOCITY]
-    north = state[X] - waves[WAVE_SWAY] * math.sin(psi)
-    east = state[Y] + waves[WAVE_SWAY] * math.cos(psi)
+    c, s = cos_sin(psi)
+    north, east = state[X] - waves[WAVE_SWAY] * s, state[Y] + waves[WAVE_SWAY] * c
     psi, r = psi + waves[WAVE_YAW] + task.heading_bias, state[R] + waves[WAVE_YAW_RATE]
     if task.noisy == 1:
         a, b = normal_pair(task.noise_key, interval, 0)

@@ -361,7 +361,7 @@ def test_speed_of_an_own_ship_in_an_own_task(cli, ship_file):
     assert code == 0, err
     found = json.loads(out)
     names = {row["name"] for row in found["steps"]}
-    assert {"environment step", "ShipVectorEnv.step, serial"} <= names
+    assert {"environment step", "environment, one core"} <= names
     assert [row["scenario"] for row in found["overhead"]] == ["hold_yaw_rate"]
     assert cli("speed", "--quick", "--ship", "nothing.toml")[0] == 2
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ship_gym.conventions import PSI, U, V, X, Y
 from ship_gym.physics._kernel import kernel
-from ship_gym.physics.angles import wrapped
+from ship_gym.physics.angles import cos_sin, wrapped
 from ship_gym.tasks.base import RUNNING, Outcome, Row, Term, check_names
 from ship_gym.tasks.bridge import N_BRIDGE, clipped, observe_bridge, settle
 from ship_gym.tasks.rewards import costs
@@ -109,16 +109,16 @@ def observe_track(seen, state, task, row):
     along, cross, bearing, length = leg_position(
         seen.north, seen.east, task.x_a, task.y_a, task.x_b, task.y_b
     )
-    to_leg = state[PSI] - bearing
-    rate = state[U] * math.sin(to_leg) + state[V] * math.cos(to_leg)
-    psi_l = seen.psi - look_ahead_bearing(bearing, cross, task.look_ahead)
+    cos_leg, sin_leg = cos_sin(state[PSI] - bearing)
+    rate = state[U] * sin_leg + state[V] * cos_leg
+    cos_ahead, sin_ahead = cos_sin(seen.psi - look_ahead_bearing(bearing, cross, task.look_ahead))
     values = TrackView(
         cross_track=cross / task.L,
         cross_track_rate=rate / task.speed,
         to_go=(length - along) / task.L,
         next_turn=task.turn / math.pi,
-        sin_look_ahead=math.sin(psi_l),
-        cos_look_ahead=math.cos(psi_l),
+        sin_look_ahead=sin_ahead,
+        cos_look_ahead=cos_ahead,
     )
     for k in range(N_TRACK):
         row[N_BRIDGE + k] = clipped(values[k], _LOW[k], _HIGH[k])

@@ -1,4 +1,4 @@
-"""The scripts simulate, fit_surrogate and benchmark_speed: what they print, write and refuse."""
+"""The scripts simulate and fit_surrogate: what they print, write and refuse."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def call(monkeypatch, tmp_path, capsys):
     return run
 
 
-@pytest.mark.parametrize("script", ["simulate.py", "fit_surrogate.py", "benchmark_speed.py"])
+@pytest.mark.parametrize("script", ["simulate.py", "fit_surrogate.py"])
 def test_help_shows_examples(call, script):
     code, out, _ = call(script, "--help")
     assert code == 0
@@ -238,36 +238,6 @@ def test_fit_surrogate_refuses_in_one_line(call, arguments, words):
     assert len(err.strip().splitlines()) == 1
     assert all(word in err for word in words), err
     assert not Path("runs").exists()
-
-
-def test_benchmark_text_and_json(call, monkeypatch):
-    from ship_gym.reports import speed
-
-    every = list(speed.jobs((1,)))
-    monkeypatch.setattr(speed, "jobs", lambda: every)
-    monkeypatch.setattr(speed, "measure", lambda job, r, s: {**NUMBERS, "name": job[0]})
-    monkeypatch.setattr(speed, "start_times", lambda cold: {"import": 0.2})
-    code, out, _ = call("benchmark_speed.py", "--quick", "--json")
-    data = json.loads(out)
-    assert code == 0
-    assert len(data["steps"]) == len(every)
-    assert data["machine"]["cores"] >= 1
-    code, out, _ = call("benchmark_speed.py", "--quick")
-    assert "ShipVectorEnv.step, serial" in out
-    assert "1,000" in out
-
-
-NUMBERS = {"n": 1, "seconds": 1e-3, "spread_percent": 3.0, "steps_per_second": 1000.0}
-
-
-def test_measured_speed_is_of_the_right_size():
-    from ship_gym.reports import speed
-
-    serial = next(job for job in speed.jobs((64,)) if job[0] == "ShipVectorEnv.step, serial")
-    found = speed.measure(serial, repeats=1, seconds=0.01)
-    assert found["n"] == 64
-    assert found["steps_per_second"] > 1000.0
-    assert found["steps_per_second"] == pytest.approx(64 / found["seconds"])
 
 
 def test_a_fit_whose_ship_does_not_turn_is_kept_and_warned_of(call, monkeypatch):

@@ -1,0 +1,107 @@
+"""Two ways to compile with numba: a loop over ships, and the parts that are inlined into it.
+
+numba's own way would compile and optimise each part by itself, with entry points from Python and C,
+and only then put it into the loop: half of the time, and loops in parts would be vectorised before
+it is known that arrays do not overlap. What follows uses numba's classes for own compilers
+(``pipeline_class``); where a version of numba has them otherwise, `WORKS` is False and kernels are
+compiled the plain way: the same numbers, slower.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+WIDE = '"prefer-vector-width"="512"'  # where there are such registers; LLVM prefers half of them
+
+try:
+    from numba.core import types
+    from numba.core.compiler import CompilerBase, DefaultPassBuilder, _LowerResult
+    from numba.core.compiler_machinery import register_pass
+    from numba.core.lowering import Lower
+    from numba.core.typed_passes import NativeLowering
+
+    class _WideLower(Lower):
+        def setup_function(self, fndesc):
+            super().setup_function(fndesc)
+            set.add(self.function.attributes, WIDE)  # llvmlite's own `add` knows no such attribute
+
+    @register_pass(mutates_CFG=True, analysis_only=False)
+    class LoopLowering(NativeLowering):
+        """Machine code of a loop: its arrays do not overlap, its vectors are as wide as can be."""
+
+        _name = "ship_gym_loop_lowering"
+
+        @property
+        def lowering_class(self):
+            return _WideLower
+
+        def run_pass(self, state):
+            state.flags.noalias = True
+            return super().run_pass(state)
+
+    def _simplify(library):
+        """Optimise a part, but leave its loops as they are."""
+        passes, builder = library._codegen._module_pass_manager(
+            opt=2, loop_vectorize=False, slp_vectorize=False
+        )
+        passes.run(library._final_module, builder)
+
+    def _leave(library):
+        """Leave a part that only calls others as it is: the loop that takes it in is optimised."""
+
+    @register_pass(mutates_CFG=True, analysis_only=False)
+    class PartLowering(NativeLowering):
+        """Code of a part, for loops to take in: no vectors yet, no entry points."""
+
+        _name = "ship_gym_part_lowering"
+
+        def run_pass(self, state):
+            flags, context = state.flags, state.targetctx
+            flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+            state.library = context.codegen().create_library(state.func_id.func_qualname)
+            composed = getattr(state.func_id.func, "composed", False)
+            simplify = _leave if composed else _simplify
+            state.library._optimize_final_module = functools.partial(simplify, state.library)
+            super().run_pass(state)
+            made, key = state["cr"], object()  # numba finds a compiled function by such a key
+            context.insert_user_function(key, made.fndesc, [state.library])
+            state["cr"] = _LowerResult(made.fndesc, made.call_helper, cfunc=key, env=made.env)
+            return True
+
+    def _compiler(name: str, lowering: type) -> type:
+        def define_pipelines(self):
+            pipeline = DefaultPassBuilder.define_nopython_pipeline(self.state)
+            pipeline.passes = [
+                (lowering if one is NativeLowering else one, text) for one, text in pipeline.passes
+            ]
+            pipeline._finalized = False
+            pipeline.finalize()
+            return [pipeline]
+
+        return type(name, (CompilerBase,), {"define_pipelines": define_pipelines})
+
+    LOOP: dict[str, Any] = {"pipeline_class": _compiler("LoopCompiler", LoopLowering)}
+    PART: dict[str, Any] = {"pipeline_class": _compiler("PartCompiler", PartLowering)}
+    WORKS = True
+except (ImportError, AttributeError):
+    LOOP, PART, WORKS = {}, {}, False
+
+
+def keep_part(part: Any) -> Any:
+    """Make a dispatcher of a part keep what it compiled, which nothing can call from Python.
+
+    And make it compile one version for all numbers that a caller writes out, not one for each.
+    """
+
+    def add_overload(made):
+        part.overloads[tuple(made.signature.args)] = made
+
+    def get_call_template(args, kws):
+        args = tuple(types.unliteral(arg) for arg in args)
+        return type(part).get_call_template(part, args, kws)
+
+    if WORKS:
+        part.add_overload = add_overload
+        part.get_call_template = get_call_template
+    return part
