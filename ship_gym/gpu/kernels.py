@@ -42,13 +42,6 @@ def give_back(fleet, episodes):
             fleet.flow[0, k] = 0.0
 
 
-@kernel
-def see(fleet):
-    """Refresh the waves that the ship meets."""
-    f = fleet
-    see_waves(_FIRST, f.time, f.state, f.seas, f.waves, f.groups, f.response, f.winds, f.met)
-
-
 def interval_of_one(task: Task) -> Callable:
     """Function, not yet compiled, that sails an interval of an episode, as ``EpisodeBatch.step``.
 
@@ -69,7 +62,7 @@ def interval_of_one(task: Task) -> Callable:
             return UNNAMED
         if lost > 0:
             give_back(fleet, episodes)
-            see(fleet)
+            see_waves(_FIRST, fleet)
             end(_FIRST, fleet, episodes)
             observe(_FIRST, fleet, episodes)
         result = episodes.results[0]

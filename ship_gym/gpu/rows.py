@@ -14,17 +14,19 @@ from typing import Any
 import numpy as np
 
 # Tables and lists that all ships share; every other array has a row for each ship.
+SCRATCH = "scratch"  # a thread of the card has its own
 SHARED = frozenset(
-    "open_water deflected components offsets groups response winds gusts failed reached".split()
+    ("open_water", "deflected", "components", "offsets", "turns", "groups", "response", "winds")
+    + ("gusts", "failed", "reached")
 )
 
 
 def leaves(tree: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Name and value of every array and number in named tuples of such."""
+    """Name and value of every array and number in named tuples of such, without the scratch."""
     if hasattr(tree, "_fields"):
         for field in tree._fields:
             yield from leaves(getattr(tree, field), field)
-    elif tree is not None:
+    elif tree is not None and name != SCRATCH:
         yield name, tree
 
 
@@ -39,8 +41,8 @@ def of_one_ship(tree: Any) -> tuple[Callable, str]:
     Returns
     -------
     function : callable
-        ``one(values, i, j)``: the tree, with rows i to j = i + 1 of the arrays of ships; `values`
-        are those of `leaves`, in their order. Not compiled.
+        ``one(values, i, j, scratch)``: the tree, with rows i to j = i + 1 of the arrays of ships;
+        `values` are those of `leaves`, in their order. Not compiled.
     name : str
         Differs where the functions do.
     """
@@ -48,8 +50,8 @@ def of_one_ship(tree: Any) -> tuple[Callable, str]:
     count = iter(range(10**6))
 
     def text(part: Any, field: str) -> str:
-        if part is None:
-            return "None"
+        if part is None or field == SCRATCH:
+            return str(field if field == SCRATCH else None)
         if hasattr(part, "_fields"):
             kind = type(part).__name__
             scope[kind] = type(part)
@@ -58,6 +60,6 @@ def of_one_ship(tree: Any) -> tuple[Callable, str]:
         rows = "[i:j]" if isinstance(part, np.ndarray) and field not in SHARED else ""
         return f"values[{next(count)}]{rows}"
 
-    source = f"def one(values, i, j):\n    return {text(tree, '')}\n"
+    source = f"def one(values, i, j, scratch):\n    return {text(tree, '')}\n"
     exec(source, scope)
     return scope["one"], hashlib.sha256(source.encode()).hexdigest()[:16]

@@ -11,12 +11,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 from numba import cuda
 
 from ship_gym.gpu.card import simulated
 from ship_gym.gpu.kernels import RUNNING, Batch, interval_of_one
 from ship_gym.gpu.rows import of_one_ship
 from ship_gym.physics import _kernel
+from ship_gym.physics.scratch import LANES, SCRATCH
 
 if TYPE_CHECKING:
     from ship_gym.tasks.base import Task
@@ -24,7 +26,19 @@ if TYPE_CHECKING:
 THREADS = 64  # of one block
 
 
-def one(values, i, j):
+def one_lane(scratch: np.dtype) -> np.dtype:
+    """Type of a scratch like ``physics.scratch.SCRATCH``, but for one ship: what a thread needs."""
+    fields = []
+    for name in scratch.names:
+        kind, shape = scratch[name].subdtype
+        fields.append((name, kind, (*shape[:-1], 1) if shape[-1] == LANES else shape))
+    return np.dtype((np.record, np.dtype(fields, align=True)))
+
+
+LANE = one_lane(SCRATCH)
+
+
+def one(values, i, j, scratch):
     """Stands for that of ``rows.of_one_ship``."""
 
 
@@ -36,7 +50,8 @@ def _sail_all(values, n, counts):
     """Sail an interval of n episodes; `counts` how many came to what, by the codes of `kernels`."""
     i = cuda.grid(1)
     if i < n:
-        came = sail(one(values, i, i + 1))
+        scratch = cuda.local.array(1, LANE)
+        came = sail(one(values, i, i + 1, scratch))
         if came != RUNNING:
             cuda.atomic.add(counts, came, 1)
 
