@@ -61,6 +61,6 @@ def test_an_action_that_is_not_finite_is_not_sailed():
 
 
 def test_batches_of_other_ships_have_other_names():
-    """Machine code is kept by these names: what no ship has, such as a second screw, is left out."""
+    """Machine code is kept by these names: what no ship has, as a second screw, is left out."""
     names = [of_one_ship(batch_of(made(name)))[1] for name in ("heading", "calm", "fleet")]
     assert names[0] == names[1] != names[2]
