@@ -188,6 +188,9 @@ class ShipTorchEnv:
             raise ConfigError(f"actions have shape {tuple(actions.shape)}, allowed is {shape}")
         if not actions.dtype.is_floating_point:
             raise ConfigError(f"actions have type {actions.dtype}, allowed are floats in [-1, 1]")
+        where = self.tensor("reward").device
+        if actions.device != where:
+            raise ConfigError(f"actions are on {actions.device}, the ships on {where}")
         return actions.detach()
 
 

@@ -66,6 +66,7 @@ def test_without_autoreset_a_mask_says_who_begins_anew():
         (np.zeros((3, 1)), "must be a torch.Tensor"),
         (torch.zeros(3), r"have shape \(3,\), allowed is \(3, 1\)"),
         (torch.zeros(3, 1, dtype=torch.int64), "torch.int64, allowed are floats"),
+        (torch.zeros(3, 1, device="meta"), "actions are on meta, the ships on cpu"),
         (torch.full((3, 1), torch.nan), "action 0 = .*must be finite"),
     ],
 )
