@@ -32,7 +32,7 @@ from ship_gym.physics.parameters import traits_of
 from ship_gym.physics.quantities import Tables
 from ship_gym.physics.scratch import scratch_for
 from ship_gym.physics.step import Fleet, sail_rows, see_waves
-from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES
+from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_direction
 from ship_gym.sea.records import Waters, set_phases, waters
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.files import Named
@@ -174,7 +174,7 @@ class ShipSim:
         waves_to : numpy.ndarray
             Where the waves go to, from north [rad], shape (m,).
         """
-        self.seas["wave_to"][which] = waves_to
+        set_direction(which, self.seas, waves_to)
         set_phases(self.water, which, uniform)
         self.see_waves(which)
 

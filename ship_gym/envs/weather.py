@@ -102,7 +102,7 @@ class Weathers:
 
     def _set_waves(self, records, which, pick, height, waves_to, tasks) -> None:
         share = self._height_min[pick] + (1.0 - self._height_min[pick]) * height
-        records["wave_share"], records["wave_to"] = share, waves_to
+        records["wave_share"] = share
         tasks["wave_height"][which] = share * self._H_s[pick] / self._scale[self._row[which]]
         tasks["wave_period"][which] = self._T_p[pick] / self._unit[self._row[which]]
         tasks["wave_to"][which] = waves_to

@@ -15,6 +15,7 @@ from typing import Any
 WIDE = '"prefer-vector-width"="512"'  # where there are such registers; LLVM prefers half of them
 
 try:
+    from numba.core import types
     from numba.core.compiler import CompilerBase, DefaultPassBuilder, _LowerResult
     from numba.core.compiler_machinery import register_pass
     from numba.core.lowering import Lower
@@ -46,6 +47,9 @@ try:
         )
         passes.run(library._final_module, builder)
 
+    def _leave(library):
+        """Leave a part that only calls others as it is: the loop that takes it in is optimised."""
+
     @register_pass(mutates_CFG=True, analysis_only=False)
     class PartLowering(NativeLowering):
         """Code of a part, for loops to take in: no vectors yet, no entry points."""
@@ -56,7 +60,9 @@ try:
             flags, context = state.flags, state.targetctx
             flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
             state.library = context.codegen().create_library(state.func_id.func_qualname)
-            state.library._optimize_final_module = functools.partial(_simplify, state.library)
+            composed = getattr(state.func_id.func, "composed", False)
+            simplify = _leave if composed else _simplify
+            state.library._optimize_final_module = functools.partial(simplify, state.library)
             super().run_pass(state)
             made, key = state["cr"], object()  # numba finds a compiled function by such a key
             context.insert_user_function(key, made.fndesc, [state.library])
@@ -83,11 +89,19 @@ except (ImportError, AttributeError):
 
 
 def keep_part(part: Any) -> Any:
-    """Make a dispatcher of a part keep what it compiled, which nothing can call from Python."""
+    """Make a dispatcher of a part keep what it compiled, which nothing can call from Python.
+
+    And make it compile one version for all numbers that a caller writes out, not one for each.
+    """
 
     def add_overload(made):
         part.overloads[tuple(made.signature.args)] = made
 
+    def get_call_template(args, kws):
+        args = tuple(types.unliteral(arg) for arg in args)
+        return type(part).get_call_template(part, args, kws)
+
     if WORKS:
         part.add_overload = add_overload
+        part.get_call_template = get_call_template
     return part

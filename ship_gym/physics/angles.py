@@ -18,9 +18,15 @@ _TAN_EIGHTH = math.sqrt(2.0) - 1.0  # tan(pi / 8)
 
 
 @kernel
+def nearest(x):
+    """The whole number nearest to x, as a float; abs(x) below 2^51."""
+    return (x + _WHOLE) - _WHOLE
+
+
+@kernel
 def wrapped(angle):
-    """Angle in [-pi, pi) [rad]."""
-    return angle - _TURN * math.floor((angle + math.pi) * _PER_RADIAN)
+    """Angle in [-pi, pi] [rad]."""
+    return angle - _TURN * nearest(angle * _PER_RADIAN)
 
 
 @kernel
@@ -40,7 +46,7 @@ def cos_sin_of_turns(turns):
     Minimax polynomials on a quarter turn to either side; the other half of the circle is folded
     onto it.
     """
-    f = turns - ((turns + _WHOLE) - _WHOLE)
+    f = turns - nearest(turns)
     far = abs(f) > 0.25
     h = 0.5 - abs(f) if far else abs(f)
     z = h * h

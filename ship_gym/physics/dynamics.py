@@ -9,6 +9,7 @@ from ship_gym.conventions import PSI, U, V
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import arctan2, cos_sin, cosine
 from ship_gym.physics.hull import hull_forces
+from ship_gym.physics.parameters import of_record
 from ship_gym.physics.propeller import (
     Inflow,
     advance_ratio,
@@ -153,6 +154,10 @@ def forces(motion, controls, ship, tables):
     flow : Flow
         Forces and torque of all, angles on the centreline; then those of each unit.
     """
+    # named tuples, so that the versions that a step is made of serve here too
+    u, v, r = motion
+    delta, n = controls
+    motion, controls, ship = Motion(u, v, r), Controls(delta, n), of_record(ship)
     own, units = own_forces(motion, controls, ship, tables)
     return own, flow_of(motion, controls, units, ship)
 

@@ -70,13 +70,14 @@ def crossflow_forces(u, v, r, hull, rho):
     L, a = hull.L, abs(u)
     Y = 0.5 * rho * L * hull.d * (hull.Y_v * a * v + hull.Y_r * u * r * L)
     N = 0.5 * rho * L * L * hull.d * (hull.N_v * u * v + hull.N_r * a * r * L)
-    dx = L * _STRIP
-    for i in range(STRIPS):
-        x = (i + 0.5) * dx - 0.5 * L
-        w = v + x * r
-        drag = -0.5 * rho * hull.C_D * hull.d * dx * abs(w) * w
-        Y += drag
-        N += x * drag
+    dx, force, moment = L * _STRIP, 0.0, 0.0
+    for i in range(STRIPS // 2):  # a strip before midship with the one as far behind it
+        x = (i + 0.5) * dx
+        fore, aft = v + x * r, v - x * r
+        fore, aft = abs(fore) * fore, abs(aft) * aft
+        force, moment = force + (fore + aft), moment + x * (fore - aft)
+    drag = -0.5 * rho * hull.C_D * hull.d * dx
+    Y, N = Y + drag * force, N + drag * moment
     return -0.5 * rho * L * hull.d * hull.R_0 * u * a, Y, N
 
 

@@ -14,7 +14,7 @@ LANES = 64
 EIGHT, NONE = np.uint64(8), np.uint64(0)  # waves side by side in a sum; see waves.sum_waves
 N_SUMS = 21  # waves.Sums
 N_GUSTS = 20
-GUST_COLUMNS = 24  # filled up to a multiple of eight
+GUST_COLUMNS = 24  # filled up to three eights, see wind.gust_factor
 
 _FIELDS = [
     ("ship", (N_PARAMETERS, LANES)),  # parameters.ship_at

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ship_gym.conventions import DELTA, FORCE_COMPONENTS, PSI, N, R, U, V, X, Y
-from ship_gym.physics._kernel import kernel, loop
+from ship_gym.physics._kernel import composed, kernel, loop
 from ship_gym.physics.disturbance import disturbance_forces
 from ship_gym.physics.dynamics import (
     Loading,
@@ -148,7 +148,7 @@ def held_loads(time, dt, body, sea, water, ship, met, x):
     return HeldLoads(wave, wind, disturbance)
 
 
-@kernel
+@composed
 def see(time, dt, body, sea, water, ship, x, met):
     """Write what waves do to one ship into `met`: motion now, drift during the coming `dt` [s]."""
     if sea.wavy == 1:
@@ -175,7 +175,7 @@ def see_waves(which, fleet):
         see(fleet.time[ship], dt, body, sea, fleet.water, ship, fleet.scratch[0], met)
 
 
-@kernel
+@composed
 def board(x, lo, hi, first, fleet):
     """Bring ships from row `first` on into the lanes; returns the largest number of steps."""
     most = 0
@@ -193,7 +193,7 @@ def board(x, lo, hi, first, fleet):
     return most
 
 
-@kernel
+@composed
 def load_lanes(x, lo, hi, first, step, fleet):
     """Loads and current of every lane for its next step; those of the first one are kept."""
     for i in range(lo, hi):
@@ -215,7 +215,7 @@ def load_lanes(x, lo, hi, first, step, fleet):
                 fleet.forces[ship, OUTSIDE + 2, k] = held.disturbance[k]
 
 
-@kernel
+@composed
 def report(x, lo, hi, first, fleet):
     """Write own forces and flow of every lane, which are those at the start of the interval."""
     common = ship_at(x, lo, fleet.traits)
@@ -247,7 +247,7 @@ def move(x, lo, hi, step):
             x.delta[START, i], x.n[START, i] = x.delta[END, i], x.n[END, i]
 
 
-@kernel
+@composed
 def look(x, lo, hi, first, step, fleet):
     """What waves do to every lane that sails this step, at its end."""
     for i in range(lo, hi):
@@ -257,7 +257,7 @@ def look(x, lo, hi, first, step, fleet):
             see(time, dt, body_of(x.start, i), sea, fleet.water, ship, x, met)
 
 
-@kernel
+@composed
 def land(x, lo, hi, first, fleet):
     """Write the states back and let time go on; returns how many of the lanes' are finite."""
     alive = 0
@@ -280,7 +280,7 @@ REACH = (0.5, 2.0, 0.0)
 BACK = (0.0, -6.0, 0.0)
 
 
-@kernel
+@composed
 def sail_block(x, lo, hi, first, fleet):
     """Advance some ships by one control interval.
 
@@ -323,7 +323,7 @@ def thread_of(row, n, threads):
     return ((row // LANES + 1) * parts - 1) // blocks
 
 
-@kernel
+@composed
 def sail(first, last, fleet):
     """Advance the ships from `first` up to `last` by one control interval, in place.
 

@@ -18,9 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ship_gym.physics._kernel import kernel
+from ship_gym.physics._kernel import kernel, loop
 from ship_gym.physics.angles import cos_sin, cos_sin_of_turns, wrapped
-from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.interpolate import cell
 from ship_gym.physics.scratch import EIGHT, N_SUMS
 
@@ -43,17 +42,19 @@ class Waves(NamedTuple):
     components : ndarray (kinds, 3, N)
         Amplitude, frequency and wave number of the waves of each sea, sorted by direction; those of
         one direction filled up with waves of no height to a multiple of 8.
-    offsets, groups : ndarray (G,), ndarray of np.uint64 (G + 1,)
-        Directions relative to the sea's main one [rad]; first eight of each, and N / 8.
+    offsets, turns, groups : ndarray (G,), (G, 2), ndarray of np.uint64 (G + 1,)
+        Directions relative to the sea's main one [rad], their cosines and sines; first eight of
+        each, and N / 8.
     response : structured ndarray (kinds, speeds, headings, N / 8)
         `EIGHT_WAVES` of the ship in that sea: what eight waves need lies together. Headings from 0
         to pi; sway, roll, yaw and their drift change sign with the side.
-    phases : ndarray (n, N)
+    phases : ndarray of float32 (n, N)
         Of each ship [turns].
     """
 
     components: np.ndarray
     offsets: np.ndarray
+    turns: np.ndarray
     groups: np.ndarray
     response: np.ndarray
     phases: np.ndarray
@@ -155,14 +156,6 @@ class Corners(NamedTuple):
 
 
 @kernel
-def path_along(body, direction):
-    """`Path` of a ship in a direction [rad]."""
-    c, s = cos_sin(direction)
-    c_mu, s_mu = cos_sin(body.psi - direction)
-    return Path(body.x * c + body.y * s, body.u * c_mu - body.v * s_mu)
-
-
-@kernel
 def corners(psi, direction, surge, response):
     """`Corners` of a ship on a heading in waves that go to a direction, both [rad].
 
@@ -171,7 +164,7 @@ def corners(psi, direction, surge, response):
     """
     headings = response.shape[1]
     mu, side = relative_heading(psi, direction)
-    j, q = cell(mu, 0.0, math.pi / (headings - 1), headings)
+    j, q = cell(mu * ((headings - 1) / math.pi), 0.0, 1.0, headings)
     i, w = surge
     p = 1.0 - w
     return Corners(side, i, j, p * (1.0 - q), p * q, w * (1.0 - q), w * q)
@@ -349,8 +342,9 @@ def wave_loads(time, dt, body, sea, waves, ship, lanes):
     """
     kind = sea.response
     components, response, phase = waves.components[kind], waves.response[kind], waves.phases[ship]
-    u_c, _ = water_velocity(body.psi, sea)
-    u = body.u - u_c
+    c, s = cos_sin(body.psi)
+    u = body.u - (sea.V_north * c + sea.V_east * s)
+    north, east = body.u * c - body.v * s, body.u * s + body.v * c
     surge = cell(min(u, sea.speed_max), 0.0, sea.speed_step, response.shape[0])
     psi = body.psi + 0.5 * dt * body.r
     for j in range(N_SUMS):
@@ -358,7 +352,12 @@ def wave_loads(time, dt, body, sea, waves, ship, lanes):
             lanes[j, k] = 0.0
     for g in range(waves.offsets.shape[0]):
         direction = sea.wave_to + waves.offsets[g]
-        path = path_along(body, direction)
+        c, s = waves.turns[g, 0], waves.turns[g, 1]
+        to_north, to_east = (
+            sea.wave_north * c - sea.wave_east * s,
+            sea.wave_north * s + sea.wave_east * c,
+        )
+        path = Path(body.x * to_north + body.y * to_east, north * to_north + east * to_east)
         now = mirrored(corners(body.psi, direction, surge, response))
         later = corners(psi, direction, surge, response)
         sum_waves(
@@ -388,3 +387,12 @@ def of_sums(total, sea, extrapolation, dt):
         extrapolation=extrapolation,
         ahead=dt,
     )
+
+
+@loop
+def set_direction(which, seas, direction_to):
+    """Set where the waves of some ships go to, from north [rad]."""
+    for row in range(len(which)):
+        sea = seas[which[row]]
+        sea.wave_to = direction_to[row]
+        sea.wave_north, sea.wave_east = cos_sin(direction_to[row])

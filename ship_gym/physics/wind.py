@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ship_gym.conventions import RHO_AIR
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import arctan2, cos_sin, cos_sin_of_turns
 from ship_gym.physics.interpolate import cell, linear
 from ship_gym.physics.quantities import Force
-from ship_gym.physics.scratch import EIGHT, NONE
+from ship_gym.physics.scratch import GUST_COLUMNS
 from ship_gym.physics.waves import lane_sum
 
 _TURN = 2.0 * math.pi
@@ -26,20 +24,21 @@ def gust_factor(time, scale, gusts, phases, work):
     ----------
     time, scale : float
         [s], -
-    gusts : ndarray (2, K)
-        Share of each harmonic and its frequency [rad/s]; K a multiple of 8, see `waves.Waves`.
-    phases : ndarray (K,)
-        Fractions of a turn.
-    work : ndarray (K or more,)
+    gusts : ndarray (2, GUST_COLUMNS)
+        Share of each harmonic, zero where they fill up, and its frequency [rad/s].
+    phases : ndarray (GUST_COLUMNS,) or (0,)
+        Fractions of a turn; none where no ship of the batch has gusts.
+    work : ndarray (GUST_COLUMNS,)
         Scratch.
     """
-    count, total = np.uint64(phases.shape[0]), 0.0
-    for k in range(count):  # no sum yet: vector instructions
+    if phases.shape[0] == 0:
+        return 1.0
+    for k in range(GUST_COLUMNS):  # no sum yet: vector instructions
         turns = gusts[1, k] * time * _PER_TURN + phases[k]
         work[k] = gusts[0, k] * cos_sin_of_turns(turns)[0]
-    for begin in range(NONE, count, EIGHT):
-        total += lane_sum(work[begin : begin + EIGHT])
-    return 1.0 + scale * total
+    for k in range(8):
+        work[k] = (work[k] + work[k + 8]) + work[k + 16]
+    return 1.0 + scale * lane_sum(work)
 
 
 @kernel

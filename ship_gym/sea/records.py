@@ -74,7 +74,9 @@ SEA_DTYPE = np.dtype(
                 ("wind_east", np.float64),
                 ("gust_scale", np.float64),  # of the shares of the gusts' harmonics
                 ("wave_share", np.float64),  # height of the waves by that of their components
-                ("wave_to", np.float64),  # where they go to, from north [rad]
+                ("wave_to", np.float64),  # where they go to, from north [rad],
+                ("wave_north", np.float64),  # and its cosine and sine: set_direction
+                ("wave_east", np.float64),
             ],
             align=True,
         ),
@@ -149,7 +151,7 @@ class Waters:
         return dataclasses.replace(
             self,
             records=self.records[rows],
-            waves=self.waves._replace(phases=in_lines(np.zeros((n, self.waves.phases.shape[1])))),
+            waves=self.waves._replace(phases=_no_phases(n, self.waves.phases.shape[1])),
             gust_phases=np.zeros((n, self.gust_phases.shape[1])),
             harmonics=np.zeros((n, *self.harmonics.shape[1:])),
         )
@@ -233,11 +235,12 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
         if components
         else np.zeros((1, 3, 0)),
         offsets=offsets,
+        turns=np.stack([np.cos(offsets), np.sin(offsets)], axis=1),
         groups=groups,
         response=_eight_by_eight(_filled(_stacked(responses), columns, count))
         if responses
         else np.zeros((1, 2, 2, 0), EIGHT_WAVES),
-        phases=in_lines(np.zeros((n, count))),
+        phases=_no_phases(n, count),
     )
     gusty = any(s.gusts for s in different)
     return Waters(
@@ -284,6 +287,11 @@ def _in_eights(direction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
     starts = np.repeat(8 * groups[:-1].astype(np.int64), counts)
     within = np.concatenate([np.arange(c) for c in counts]) if len(counts) else np.zeros(0)
     return offsets, groups, starts + within.astype(np.int64)
+
+
+def _no_phases(n: int, count: int) -> np.ndarray:
+    """Phases of n ships; single precision, 4e-7 rad, is half the memory of an environment's sea."""
+    return in_lines(np.zeros((n, count), np.float32))
 
 
 def _filled(values: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
@@ -343,6 +351,7 @@ def _fill_wind(record: np.record, ship: Ship, sea: Sea) -> None:
 
 def _fill_waves(record: np.record, ship: Ship, waves: WaveComponents, kind: int) -> None:
     record["wavy"], record["response"], record["wave_share"] = 1, kind, 1.0
+    record["wave_north"] = 1.0  # until they are set
     record["waves_outside"] = energy_outside(ship, waves)
     record["speed_step"] = SPEED_STEP * math.sqrt(G * ship.hull.L)
     record["speed_max"] = wave_table_of(ship).froude[-1] * math.sqrt(G * ship.hull.L)
