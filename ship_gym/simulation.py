@@ -154,6 +154,8 @@ class ShipSim:
         self.state[:, PSI] = psi
         self.state[:, U] = speeds
         self.state[:, N] = self.self_propulsion(self.state[:, U]) if n is None else n
+        for now, mean in (("V_north", "mean_north"), ("V_east", "mean_east")):
+            self.seas[now] = self.seas[mean]  # not the current at the end of the last run
         over_ground(self.state, self.seas)
         self.time[:] = 0.0
         draws = [np.random.default_rng(None if seed is None else seed + i) for i in range(self.n)]
@@ -292,8 +294,8 @@ class ShipSim:
 
     @property
     def threads(self) -> int:
-        """Number of threads that sail the batch."""
-        return max(usable_cores(), 2) if self.parallel else 1
+        """Number of threads that sail the batch: there is a scratch for each."""
+        return len(self.fleet.scratch)
 
     @functools.cached_property
     def fleet(self) -> Fleet:
@@ -311,7 +313,7 @@ class ShipSim:
             tables=self._tables,
             traits=traits_of(self._records, self._expected),
             water=self.water.arrays,
-            scratch=scratch_for(self.threads),
+            scratch=scratch_for(max(usable_cores(), 2) if self.parallel else 1),
         )
 
     @functools.cached_property
