@@ -104,7 +104,7 @@ class Kernel:
     def alone(self):
         """Compiled to be called from Python."""
         with _own_cache("serial", self.py_func):
-            return numba.njit(self.py_func, cache=True, **_PLAIN)
+            return numba.njit(self.py_func, cache=True, **_options(self.py_func))
 
     def __call__(self, *args):
         return self.alone(*args)
@@ -126,8 +126,13 @@ def inlined(function):
     return function if numba.config.DISABLE_JIT else _part(function)
 
 
+def _options(function) -> dict[str, Any]:
+    """Options of a kernel; one of a user may make arrays, so its references are counted."""
+    return _PLAIN if _file_of_user(function) is None else {**_PLAIN, "_nrt": True}
+
+
 def _part(function):
-    return keep_part(numba.njit(function, forceinline=True, **_PLAIN, **PART))
+    return keep_part(numba.njit(function, forceinline=True, **_options(function), **PART))
 
 
 def loop(function):
