@@ -22,7 +22,7 @@ from ship_gym.envs.interval import BAD_ACTION, BAD_OUTCOME, Episodes, Failure, L
 from ship_gym.envs.probe import check_outcomes, try_kernels
 from ship_gym.envs.randomisation import ShipDraws, check_has_std
 from ship_gym.envs.weather import Weathers
-from ship_gym.physics._threads import in_parts
+from ship_gym.physics._threads import BLOCK, in_parts
 from ship_gym.physics.waves import WAVE_EXTRAPOLATION
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.loader import load_ship
@@ -93,6 +93,7 @@ class EpisodeBatch:
                 check_has_std(one)
         self.task = TASKS[scenario.task]
         self.sim = ShipSim(self.ships, n, parallel=parallel)
+        self.ships = self.sim.ships
         self._weathers = Weathers(scenario.sea, self.ships)
         self.sim.set_water(self._weathers.water)
         self._plan = self.task.plan(scenario, self.ships)
@@ -112,12 +113,10 @@ class EpisodeBatch:
         self._parts = [slice(end - size, end) for end, size in zip(ends, parts, strict=True)]
         self.n_draws = sum(parts)
         self.n_actions = len(ACTIONS[scenario.control])
-        self._unit = np.array([one.time_unit for one in self.ships])
-        self.dt = scenario.control_interval / self._unit
-        self.sim.set_interval(self.dt)
         self.reward_terms = tuple(term.name for term in (*self.task.terms, *COSTS))
         self.tasks = np.zeros(n, bridge.record_dtype(self.task))
         self._fill_tasks()
+        self.sim.set_interval(self.dt)
         self._make_arrays()
         # the first interval that begins at that time or later, whatever the division rounds to
         self._fails_at = math.ceil(scenario.failure.time / scenario.control_interval - 1e-9)
@@ -172,7 +171,7 @@ class EpisodeBatch:
 
     def _make_arrays(self) -> None:
         n, scenario = self.n, self.scenario
-        self._before = np.zeros_like(self.sim.state)  # states at the start of the interval
+        self._before = np.zeros((BLOCK * self.sim.threads, self.sim.state.shape[1]))
         self._begun = False
         columns = len(observations_of(scenario.task, scenario.privileged))
         self.observations = np.zeros((n, columns), dtype=np.float32)
@@ -186,27 +185,35 @@ class EpisodeBatch:
         self._actions = np.zeros((n, self.n_actions))
         self._diverged = np.zeros(n, dtype=np.bool_)
 
+    @property
+    def dt(self) -> np.ndarray:
+        """Control interval of each ship [s], shape (n,)."""
+        return self.tasks["dt"]
+
     def _fill_tasks(self) -> None:
-        scenario, tasks, unit = self.scenario, self.tasks, self._unit
+        scenario, tasks = self.scenario, self.tasks
+        unit = np.array([one.time_unit for one in self.ships])
+        tasks["dt"] = scenario.control_interval / unit
         tasks["speed"] = [one.speed for one in self.ships]
         tasks["L"] = [one.hull.L for one in self.ships]
         tasks["n_order"] = self.sim.self_propulsion(tasks["speed"])
         tasks["interval"], tasks["steps"] = scenario.control_interval, scenario.steps
-        tasks["dt"], tasks["astern"] = self.dt, scenario.astern
+        tasks["astern"] = scenario.astern
         tasks["rudder_stroke"] = [one.gear.rate for one in self.ships] * self.dt
         for name in self.reward_terms:
             tasks[name] = getattr(scenario.reward, name)
         self.task.fill(scenario, tasks)
         sensors = scenario.sensors
         tasks["noisy"] = sensors.noise
-        self._noise = {
+        noise = {
             "heading_noise": np.full(self.n, math.radians(sensors.heading_deg)),
             "yaw_rate_noise": math.radians(sensors.yaw_rate_deg_s) * unit,
             "speed_noise": sensors.speed / unit,
             "position_noise": sensors.position / (unit * unit) * self.task.sees_position,
         }
-        for name, size in self._noise.items():
+        for name, size in noise.items():
             tasks[name] = size
+        self._noise = noise if "sensors" in self._ship_draws.names else {}  # before any draw
 
     def start(
         self,
@@ -264,9 +271,8 @@ class EpisodeBatch:
         draws.draw(which, uniform)
         if draws.names or scenario.failure.any:
             draws.set_rudder_rate(which)
-        if draws.names:
-            for name, size in self._noise.items():
-                self.tasks[name][which] = size[which] * draws.sensor_factor(which)
+        for name, size in self._noise.items():
+            self.tasks[name][which] = size[which] * draws.sensor_factor(which)
 
     def _check_speed(self, which: np.ndarray, speeds: np.ndarray) -> None:
         """Refuse a speed at the start that no ship has."""
@@ -315,12 +321,11 @@ class EpisodeBatch:
         self._end_diverged(np.flatnonzero(self._diverged))
 
     def _end_diverged(self, which: np.ndarray) -> None:
-        """End episodes whose ship is none any more; it gets back its last state, the rest sails on.
+        """End episodes whose ship is none any more and has its last state back; the rest sails on.
 
         That is where a state is not finite, or faster than any ship (``bridge.is_ship``).
         """
         sim = self.sim
-        sim.state[which] = self._before[which]
         for loads in (sim.forces, sim.flow):
             loads[which] = np.where(np.isfinite(loads[which]), loads[which], 0.0)
         sim.see_waves(which)

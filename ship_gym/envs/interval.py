@@ -15,7 +15,7 @@ from ship_gym.conventions import DELTA, PSI, N, R, U, V, X, Y
 from ship_gym.physics._kernel import direct, kernel, specialised
 from ship_gym.physics._threads import BLOCK
 from ship_gym.physics.dynamics import water_velocity
-from ship_gym.physics.step import Fleet, sail
+from ship_gym.physics.step import Fleet, sail, thread_of
 from ship_gym.tasks import privileged
 from ship_gym.tasks.base import Task
 from ship_gym.tasks.bridge import account, clear, command, end_diverged, whole
@@ -41,11 +41,12 @@ class Failure(NamedTuple):
 class Episodes(NamedTuple):
     """Everything of n episodes that an interval reads and writes beside the `Fleet`.
 
-    ``actions`` (n, 1 or 2); ``before`` (n, 8), the states at its start; ``tasks``, ``results``,
-    structured (n,), ``tasks.bridge``; ``plans`` (n, rows, columns); ``terms`` (n, terms);
-    ``observations`` (n, rows), float32; ``failed``, ``reached`` (outcomes,), which outcomes are
-    failures and which the aim, none of the latter: a task without; ``diverged`` (n,), written: the
-    ships that are none any more; the `Failure`; the first privileged column, 0: none.
+    ``actions`` (n, 1 or 2); ``before`` (threads * BLOCK, 8), the states of one block of each thread
+    at its start; ``tasks``, ``results``, structured (n,), ``tasks.bridge``; ``plans`` (n, rows,
+    columns); ``terms`` (n, terms); ``observations`` (n, rows), float32; ``failed``, ``reached``
+    (outcomes,), which outcomes are failures and which the aim, none of the latter: a task without;
+    ``diverged`` (n,), written: the ships that are none any more; the `Failure`; the first
+    privileged column, 0: none.
     """
 
     actions: np.ndarray
@@ -107,11 +108,19 @@ def all_finite(values):
     return total == 0.0
 
 
+@kernel
+def keep(state, kept):
+    """Copy a row."""
+    for k in range(len(kept)):
+        kept[k] = state[k]
+
+
 def _interval(first, last, fleet, episodes):
     """Sail one control interval of the episodes from `first` up to `last`.
 
     A block of ships at a time, which stays near the processor from its actions to what is seen. A
-    ship that is none any more is not observed, and its episode not ended: `diverged` tells.
+    ship that is none any more gets back its last state; it is not observed, and its episode not
+    ended: `diverged` tells.
 
     Returns
     -------
@@ -123,18 +132,18 @@ def _interval(first, last, fleet, episodes):
     if not all_finite(e.actions):
         return BAD_ACTION
     has_aim, lost = e.reached.any(), 0
+    thread = thread_of(first, e.actions.shape[0], e.before.shape[0] // BLOCK)
     for start in range(first, last, BLOCK):
-        stop = min(start + BLOCK, last)
+        stop, kept = min(start + BLOCK, last), thread * BLOCK - start  # row kept + i of `before`
         for i in range(start, stop):
-            for k in range(e.before.shape[1]):
-                e.before[i, k] = fleet.state[i, k]
+            keep(fleet.state[i], e.before[kept + i])
             rudder, rpm = command(e.actions[i], fleet.ships[i], e.tasks[i])
             fleet.commands[i, 0], fleet.commands[i, 1] = rudder, rpm
         sail(start, stop, fleet)
         for i in range(start, stop):
             state, ship, sea = fleet.state[i], fleet.ships[i], fleet.seas[i]
-            task, result = e.tasks[i], e.results[i]
-            judge(state, e.before[i], sea, task, e.plans[i], e.terms[i], result)
+            task, result, before = e.tasks[i], e.results[i], e.before[kept + i]
+            judge(state, before, sea, task, e.plans[i], e.terms[i], result)
             if result.outcome < 0 or result.outcome >= len(e.failed):
                 return BAD_OUTCOME
             good = whole(state, sea, task)
@@ -142,12 +151,13 @@ def _interval(first, last, fleet, episodes):
             success = result.truncated and not failure
             if has_aim:
                 success = e.reached[result.outcome]
-            account(state, e.before[i], fleet.flow[i], ship, task, good, failure, success, result)
+            account(state, before, fleet.flow[i], ship, task, good, failure, success, result)
             fail(task, ship, e.failure, result)
             result.psi_ordered = task.psi_ordered
             e.diverged[i] = not good
             if not good:
                 lost += 1
+                keep(before, state)
                 continue
             row, interval = e.observations[i], result.elapsed
             observe(state, fleet.met[i], fleet.commands[i], ship, sea, task, interval, row)

@@ -98,9 +98,9 @@ class ShipDraws:
         z = np.clip(ndtri(uniform), -_CUT, _CUT) * getattr(self._spread, f"{section}_std")
         return z if section == "surrogate" else 1.0 + z
 
-    def sensor_factor(self, which: np.ndarray) -> np.ndarray | float:
-        """Factor of the sensors' noise of some episodes."""
-        return self.values[which, -1] if "sensors" in self.names else 1.0
+    def sensor_factor(self, which: np.ndarray) -> np.ndarray:
+        """Factor of the sensors' noise of some episodes, where it is drawn."""
+        return self.values[which, self.names.index("sensors")]
 
     def set_rudder_rate(self, which: np.ndarray) -> None:
         """Give some ships the rudder rate that they have with everything in order."""

@@ -35,13 +35,13 @@ class Weathers:
     def __init__(self, sea: SeaRange, ships: list[Ship]):
         self.sea = sea
         self._choices = sea.weathers()
-        self._unit = np.array([ship.time_unit for ship in ships])
-        self._scale = np.array([ship.scale for ship in ships])
         different, numbers = numbered(ships)
         pairs = [
             (ship, choice.sea.scaled(ship.scale)) for ship in different for choice in self._choices
         ]
         # rows of the templates: ship by choice
+        self._unit = np.array([ship.time_unit for ship, _ in pairs])
+        self._scale = np.array([ship.scale for ship, _ in pairs])
         self._templates = waters([ship for ship, _ in pairs], [s for _, s in pairs])
         self._row = np.array(numbers) * len(self._choices)
         self.water: Waters = self._templates.for_ships(self._row)
@@ -103,8 +103,8 @@ class Weathers:
     def _set_waves(self, records, which, pick, height, waves_to, tasks) -> None:
         share = self._height_min[pick] + (1.0 - self._height_min[pick]) * height
         records["wave_share"] = share
-        tasks["wave_height"][which] = share * self._H_s[pick] / self._scale[which]
-        tasks["wave_period"][which] = self._T_p[pick] / self._unit[which]
+        tasks["wave_height"][which] = share * self._H_s[pick] / self._scale[self._row[which]]
+        tasks["wave_period"][which] = self._T_p[pick] / self._unit[self._row[which]]
         tasks["wave_to"][which] = waves_to
 
     def _set_wind(self, records, which, pick, uniform, waves_to, psi) -> None:
@@ -116,7 +116,7 @@ class Weathers:
         low, high = self._wind_min[pick], self._wind_max[pick]
         full = low + (high - low) * uniform
         records["gust_scale"] *= turbulence_intensity(full) / turbulence_intensity(high)
-        speed = full / self._unit[which]
+        speed = full / self._unit[self._row[which]]
         towards = waves_to
         if self.sea.wind_encounter_deg is not None:
             towards = self._direction(self.sea.wind_encounter_deg, psi, uniform)
@@ -125,7 +125,7 @@ class Weathers:
     def _set_current(self, records, which, uniform, psi) -> None:
         sea = self.sea
         span = sea.current_speed - sea.current_speed_min
-        speed = (sea.current_speed_min + span * uniform[:, 0]) / self._unit[which]
+        speed = (sea.current_speed_min + span * uniform[:, 0]) / self._unit[self._row[which]]
         towards = self._direction(sea.current_encounter_deg, psi, uniform[:, 1])
         north_east(speed, towards, records["mean_north"], records["mean_east"])
         records["V_north"], records["V_east"] = records["mean_north"], records["mean_east"]

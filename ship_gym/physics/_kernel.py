@@ -121,6 +121,11 @@ def composed(function):
     return kernel(function)
 
 
+def in_python(function: Callable) -> Callable:
+    """The Python function of a kernel, for arrays where it is arithmetic only."""
+    return getattr(function, "py_func", function)
+
+
 def inlined(function):
     """As `kernel`, of a function without a source file, which is not called from Python."""
     return function if numba.config.DISABLE_JIT else _part(function)
@@ -157,7 +162,7 @@ def specialised(function: Callable, name: str, **kernels: Callable) -> Callable:
         Of the copy, other than those of all other copies.
     kernels : callable
     """
-    sources = [getattr(kernel, "py_func", kernel) for kernel in kernels.values()]
+    sources = [in_python(kernel) for kernel in kernels.values()]
     outside = {file for source in sources if (file := _file_of_user(source)) is not None}
     if outside:
         digest = hashlib.sha256()

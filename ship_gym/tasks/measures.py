@@ -14,6 +14,7 @@ import math
 
 import numpy as np
 
+from ship_gym.physics._kernel import in_python
 from ship_gym.physics.propeller import shaft_power
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.simulation import through_water
@@ -151,7 +152,8 @@ def _rudder_use(trajectory: Trajectory) -> dict[str, float]:
 def _energy(trajectory: Trajectory) -> float:
     """Delivered energy per distance through the water, full scale [kWh/nmi]."""
     time = trajectory["t"]
-    power = np.maximum(shaft_power(trajectory["n"], trajectory["torque"]), 0.0)  # none comes back
+    delivered = in_python(shaft_power)(trajectory["n"], trajectory["torque"])
+    power = np.maximum(delivered, 0.0)  # none comes back
     work = np.trapezoid(power, time)
     distance = np.trapezoid(np.hypot(*through_water(trajectory)), time)
     return float(work / distance) * trajectory.meta["ship"]["scale"] ** 3 * 1852.0 / 3.6e6

@@ -66,6 +66,25 @@ def test_scalar_is_vector(sailed):
     assert (env.unwrapped.episodes.sim.state[0] == last[i][1]).all()
 
 
+def test_threads_give_the_same_to_ships_that_diverge(sailed):
+    """Each keeps the states at the start of an interval for its own block only."""
+    when, *_ = sailed
+    steps = int(when[64:][when[64:] > 0].min())  # the second thread has one that diverges
+    serial, threads = (
+        gym.make_vec(HEADING, num_envs=128, autoreset_mode="SameStep", parallel=parallel, **FULL)
+        for parallel in (False, True)
+    )
+    assert (serial.reset(seed=0)[0] == threads.reset(seed=0)[0]).all()
+    ended = 0
+    for _ in range(steps):
+        a, b = serial.step(hard_over(128)), threads.step(hard_over(128))
+        for x, y in zip(a[:4], b[:4], strict=True):
+            assert (x == y).all()
+        assert (serial.episodes.sim.state == threads.episodes.sim.state).all()
+        ended += a[2][64:].sum()
+    assert ended > 0
+
+
 def test_the_others_sail_as_if_nothing_had_been(sailed):
     when, _, _, steps = sailed
     i = int(np.flatnonzero(when == 0)[0])

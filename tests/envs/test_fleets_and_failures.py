@@ -409,7 +409,7 @@ def test_choices_beyond_the_last_are_refused(choice):
 def test_a_ship_named_often_has_one_set_of_tables():
     often = ship_gym.ShipVectorEnv(6, ship=["kcs", "onrt"] * 3)
     once = ship_gym.ShipVectorEnv(6, ship=["kcs", "onrt"])
-    a, b = (envs.episodes.sim.water.response for envs in (often, once))
+    a, b = (envs.episodes.sim.water.waves.response for envs in (often, once))
     assert a.shape == b.shape and len(often.episodes.fleet) == 2
     (x, _), (y, _) = often.reset(seed=1), once.reset(seed=1)
     assert (x == y).all()

@@ -38,7 +38,7 @@ def seas(env, i=0):
     e = env.unwrapped.episodes
     waters = e.sim.water
     return np.concatenate(
-        [waters.waves[i].ravel(), [e.sim.seas["mean_north"][i], e.sim.seas["wind_east"][i]]]
+        [waters.waves_of(i).ravel(), [e.sim.seas["mean_north"][i], e.sim.seas["wind_east"][i]]]
     )
 
 
