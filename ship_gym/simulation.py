@@ -73,8 +73,9 @@ class ShipSim:
     time : numpy.ndarray
         Time since reset of each ship [s], shape (n,).
     forces : numpy.ndarray
-        X, Y [N], N [N m] by component at the start of the last step, shape
-        (n, N_FORCES, 3), ``conventions.FORCE_COMPONENTS`` by ``FORCE_AXES``.
+        X, Y [N], N [N m] by component, shape (n, N_FORCES, 3), ``conventions.FORCE_COMPONENTS`` by
+        ``FORCE_AXES``: the ship's own at the start of the last step, loads from outside as they are
+        held during it.
     flow : numpy.ndarray
         Diagnostics at the start of the last step, shape (n, 7), ``conventions.FLOW_NAMES``; where
         a ship has two propellers (n, 19), ``conventions.FLOW_OF_UNITS``. Those of a single

@@ -15,6 +15,7 @@ from ship_gym.physics.dynamics import (
     OwnForces,
     Units,
     flow_of,
+    total,
     vary_current,
     water_velocity,
 )
@@ -207,13 +208,13 @@ def load_lanes(x, lo, hi, first, step, fleet):
         vary_current(time + 0.5 * dt, sea)
         x.current[0, i], x.current[1, i] = sea.V_north, sea.V_east
         held = held_loads(time, dt, body, sea, fleet.water, ship, met, x)
+        load = total(held)
         for k in range(3):
-            x.load[k, i] = held.wave[k] + held.wind[k] + held.disturbance[k]
+            x.load[k, i] = load[k]
         if step == 0:
-            for k in range(3):
-                fleet.forces[ship, OUTSIDE, k] = held.wave[k]
-                fleet.forces[ship, OUTSIDE + 1, k] = held.wind[k]
-                fleet.forces[ship, OUTSIDE + 2, k] = held.disturbance[k]
+            for j in range(len(held)):
+                for k in range(3):
+                    fleet.forces[ship, OUTSIDE + j, k] = held[j][k]
 
 
 @composed
