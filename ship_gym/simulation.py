@@ -73,8 +73,9 @@ class ShipSim:
     time : numpy.ndarray
         Time since reset of each ship [s], shape (n,).
     forces : numpy.ndarray
-        X, Y [N], N [N m] by component at the start of the last step, shape
-        (n, N_FORCES, 3), ``conventions.FORCE_COMPONENTS`` by ``FORCE_AXES``.
+        X, Y [N], N [N m] by component, shape (n, N_FORCES, 3), ``conventions.FORCE_COMPONENTS`` by
+        ``FORCE_AXES``: the ship's own at the start of the last step, loads from outside as they are
+        held during it.
     flow : numpy.ndarray
         Diagnostics at the start of the last step, shape (n, 7), ``conventions.FLOW_NAMES``; where
         a ship has two propellers (n, 19), ``conventions.FLOW_OF_UNITS``. Those of a single
@@ -154,6 +155,8 @@ class ShipSim:
         self.state[:, PSI] = psi
         self.state[:, U] = speeds
         self.state[:, N] = self.self_propulsion(self.state[:, U]) if n is None else n
+        for now, mean in (("V_north", "mean_north"), ("V_east", "mean_east")):
+            self.seas[now] = self.seas[mean]  # not the current at the end of the last run
         over_ground(self.state, self.seas)
         self.time[:] = 0.0
         draws = [np.random.default_rng(None if seed is None else seed + i) for i in range(self.n)]
@@ -292,8 +295,8 @@ class ShipSim:
 
     @property
     def threads(self) -> int:
-        """Number of threads that sail the batch."""
-        return max(usable_cores(), 2) if self.parallel else 1
+        """Number of threads that sail the batch: there is a scratch for each."""
+        return len(self.fleet.scratch)
 
     @functools.cached_property
     def fleet(self) -> Fleet:
@@ -311,7 +314,7 @@ class ShipSim:
             tables=self._tables,
             traits=traits_of(self._records, self._expected),
             water=self.water.arrays,
-            scratch=scratch_for(self.threads),
+            scratch=scratch_for(max(usable_cores(), 2) if self.parallel else 1),
         )
 
     @functools.cached_property

@@ -29,10 +29,8 @@ class Batch(NamedTuple):
 
 
 @kernel
-def give_back(fleet, episodes):
-    """Give a ship that is none any more her last state, and loads that are finite."""
-    for k in range(fleet.state.shape[1]):
-        fleet.state[0, k] = episodes.before[0, k]
+def make_finite(fleet):
+    """Loads of a ship that is none any more: zero where they are not finite."""
     for k in range(fleet.forces.shape[1]):
         for axis in range(fleet.forces.shape[2]):
             if not math.isfinite(fleet.forces[0, k, axis]):
@@ -61,7 +59,7 @@ def interval_of_one(task: Task) -> Callable:
         if lost == BAD_OUTCOME:
             return UNNAMED
         if lost > 0:
-            give_back(fleet, episodes)
+            make_finite(fleet)
             see_waves(_FIRST, fleet)
             end(_FIRST, fleet, episodes)
             observe(_FIRST, fleet, episodes)

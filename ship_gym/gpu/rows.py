@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 # Tables and lists that all ships share; every other array has a row for each ship.
-SCRATCH = "scratch"  # a thread of the card has its own
+SCRATCHES = ("scratch", "before")  # of single threads; one of the card has its own of one row
 SHARED = frozenset(
     ("open_water", "deflected", "components", "offsets", "turns", "groups", "response", "winds")
     + ("gusts", "failed", "reached")
@@ -22,11 +22,11 @@ SHARED = frozenset(
 
 
 def leaves(tree: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Name and value of every array and number in named tuples of such, without the scratch."""
+    """Name and value of every array and number in named tuples of such, without the scratches."""
     if hasattr(tree, "_fields"):
         for field in tree._fields:
             yield from leaves(getattr(tree, field), field)
-    elif tree is not None and name != SCRATCH:
+    elif tree is not None and name not in SCRATCHES:
         yield name, tree
 
 
@@ -41,8 +41,8 @@ def of_one_ship(tree: Any) -> tuple[Callable, str]:
     Returns
     -------
     function : callable
-        ``one(values, i, j, scratch)``: the tree, with rows i to j = i + 1 of the arrays of ships;
-        `values` are those of `leaves`, in their order. Not compiled.
+        ``one(values, i, j, scratch, before)``: the tree, with rows i to j = i + 1 of the arrays of
+        ships; `values` are those of `leaves`, in their order. Not compiled.
     name : str
         Differs where the functions do.
     """
@@ -50,8 +50,10 @@ def of_one_ship(tree: Any) -> tuple[Callable, str]:
     count = iter(range(10**6))
 
     def text(part: Any, field: str) -> str:
-        if part is None or field == SCRATCH:
-            return str(field if field == SCRATCH else None)
+        if field in SCRATCHES:
+            return field
+        if part is None:
+            return "None"
         if hasattr(part, "_fields"):
             kind = type(part).__name__
             scope[kind] = type(part)
@@ -60,6 +62,6 @@ def of_one_ship(tree: Any) -> tuple[Callable, str]:
         rows = "[i:j]" if isinstance(part, np.ndarray) and field not in SHARED else ""
         return f"values[{next(count)}]{rows}"
 
-    source = f"def one(values, i, j, scratch):\n    return {text(tree, '')}\n"
+    source = f"def one(values, i, j, scratch, before):\n    return {text(tree, '')}\n"
     exec(source, scope)
     return scope["one"], hashlib.sha256(source.encode()).hexdigest()[:16]

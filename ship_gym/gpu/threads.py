@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import cuda
 
+from ship_gym.conventions import N_STATES
 from ship_gym.gpu.card import simulated
 from ship_gym.gpu.kernels import RUNNING, Batch, interval_of_one
 from ship_gym.gpu.rows import of_one_ship
@@ -38,7 +39,7 @@ def one_lane(scratch: np.dtype) -> np.dtype:
 LANE = one_lane(SCRATCH)
 
 
-def one(values, i, j, scratch):
+def one(values, i, j, scratch, before):
     """Stands for that of ``rows.of_one_ship``."""
 
 
@@ -51,7 +52,8 @@ def _sail_all(values, n, counts):
     i = cuda.grid(1)
     if i < n:
         scratch = cuda.local.array(1, LANE)
-        came = sail(one(values, i, i + 1, scratch))
+        before = cuda.local.array((1, N_STATES), np.float64)
+        came = sail(one(values, i, i + 1, scratch, before))
         if came != RUNNING:
             cuda.atomic.add(counts, came, 1)
 

@@ -1,4 +1,4 @@
-"""Steering gear and engine as exact functions of time within a step, so RK4 sees no kink late."""
+"""Steering gear and engine, exact functions of time: every stage of a step has its true angle."""
 
 from __future__ import annotations
 

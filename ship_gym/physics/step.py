@@ -15,6 +15,7 @@ from ship_gym.physics.dynamics import (
     OwnForces,
     Units,
     flow_of,
+    total,
     vary_current,
     water_velocity,
 )
@@ -195,24 +196,25 @@ def board(x, lo, hi, first, fleet):
 
 @composed
 def load_lanes(x, lo, hi, first, step, fleet):
-    """Loads and current of every lane for its next step; those of the first one are kept."""
+    """Loads and current of every lane that sails this step; those of the first one are kept."""
     for i in range(lo, hi):
+        if step >= x.steps[i]:
+            continue
         ship = first + i
         sea, met, dt = fleet.seas[ship], fleet.met[ship], x.dt[i]
-        time = fleet.time[ship] + step * dt
-        vary_current(time, sea)
-        x.current[0, i], x.current[1, i] = sea.V_north, sea.V_east
-        body = body_of(x.start, i)
+        time, body = fleet.time[ship] + step * dt, body_of(x.start, i)
         if sea.wavy == 1 and met[WAVE_AHEAD] != dt:  # the interval has changed
             see(time, dt, body, sea, fleet.water, ship, x, met)
+        vary_current(time + 0.5 * dt, sea)
+        x.current[0, i], x.current[1, i] = sea.V_north, sea.V_east
         held = held_loads(time, dt, body, sea, fleet.water, ship, met, x)
+        load = total(held)
         for k in range(3):
-            x.load[k, i] = held.wave[k] + held.wind[k] + held.disturbance[k]
+            x.load[k, i] = load[k]
         if step == 0:
-            for k in range(3):
-                fleet.forces[ship, OUTSIDE, k] = held.wave[k]
-                fleet.forces[ship, OUTSIDE + 1, k] = held.wind[k]
-                fleet.forces[ship, OUTSIDE + 2, k] = held.disturbance[k]
+            for j in range(len(held)):
+                for k in range(3):
+                    fleet.forces[ship, OUTSIDE + j, k] = held[j][k]
 
 
 @composed
@@ -249,11 +251,12 @@ def move(x, lo, hi, step):
 
 @composed
 def look(x, lo, hi, first, step, fleet):
-    """What waves do to every lane that sails this step, at its end."""
+    """Current and what waves do to every lane that sails this step, at its end."""
     for i in range(lo, hi):
         if step < x.steps[i]:
             ship, dt = first + i, x.dt[i]
             time, sea, met = fleet.time[ship] + (step + 1) * dt, fleet.seas[ship], fleet.met[ship]
+            vary_current(time, sea)
             see(time, dt, body_of(x.start, i), sea, fleet.water, ship, x, met)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ship_gym.conventions import U
+from ship_gym.conventions import N_STATES, U
 from ship_gym.envs.vector_env import ShipVectorEnv
 from ship_gym.gpu.batch import batch_of
 from ship_gym.gpu.kernels import ENDED, REFUSED, RUNNING, interval_of_one
@@ -23,6 +23,10 @@ def made(name):
     return envs.episodes
 
 
+def scratches():
+    return scratch_for(1), np.zeros((1, N_STATES))
+
+
 # m/s of the ship that is lost; at the second her loads are not finite, and Python's math refuses
 SPEEDS = [(name, 1e4) for name in VOYAGES]
 SPEEDS += [pytest.param("heading", 1e200, marks=pytest.mark.compiled)]
@@ -40,7 +44,7 @@ def test_one_ship_after_the_other(name, speed):
             ours.sim.state[LOST, U] = theirs.sim.state[LOST, U] = speed
         actions = generator.uniform(-1.0, 1.0, (N, ours.n_actions))
         batch.episodes.actions[:] = actions
-        came = [sail(one(values, i, i + 1, scratch_for(1))) for i in range(N)]
+        came = [sail(one(values, i, i + 1, *scratches())) for i in range(N)]
         theirs.step(actions)
         for (field, a), (_, b) in zip(leaves(batch), leaves(batch_of(theirs)), strict=True):
             np.testing.assert_array_equal(a, b, err_msg=field)
@@ -56,7 +60,7 @@ def test_an_action_that_is_not_finite_is_not_sailed():
     batch.episodes.actions[0] = np.nan
     before = episodes.sim.state.copy()
     values = tuple(value for _, value in leaves(batch))
-    assert interval_of_one(episodes.task)(one(values, 0, 1, scratch_for(1))) == REFUSED
+    assert interval_of_one(episodes.task)(one(values, 0, 1, *scratches())) == REFUSED
     np.testing.assert_array_equal(episodes.sim.state, before)
 
 
