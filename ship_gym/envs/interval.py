@@ -107,6 +107,15 @@ def all_finite(values):
     return total == 0.0
 
 
+@kernel
+def any_of(flags):
+    """Whether any of them is set; numpy's would load numba's linear algebra in each process."""
+    for k in range(len(flags)):
+        if flags[k]:
+            return True
+    return False
+
+
 def _interval(first, last, fleet, episodes):
     """Sail one control interval of the episodes from `first` up to `last`.
 
@@ -122,7 +131,7 @@ def _interval(first, last, fleet, episodes):
     e = episodes
     if not all_finite(e.actions):
         return BAD_ACTION
-    has_aim, lost = e.reached.any(), 0
+    has_aim, lost = any_of(e.reached), 0
     for start in range(first, last, BLOCK):
         stop = min(start + BLOCK, last)
         for i in range(start, stop):

@@ -88,6 +88,23 @@ except (ImportError, AttributeError):
     LOOP, PART, WORKS = {}, {}, False
 
 
+def quick_to_load(function: Any) -> Any:
+    """Make a dispatcher take kept machine code without what numba imports in order to compile.
+
+    That is half of the time to the first step of a process, where all is kept. numba imports it
+    still when something is to be compiled.
+    """
+    cache = getattr(function, "_cache", None)
+    if WORKS and hasattr(cache, "_load_overload"):
+
+        def load_overload(signature, context):
+            with cache._guard_against_spurious_io_errors():
+                return cache._load_overload(signature, context)
+
+        cache.load_overload = load_overload
+    return function
+
+
 def keep_part(part: Any) -> Any:
     """Make a dispatcher of a part keep what it compiled, which nothing can call from Python.
 

@@ -18,7 +18,7 @@ from typing import Any
 import numba
 
 from ship_gym.physics._cache import cache_folder
-from ship_gym.physics._compiler import LOOP, PART, keep_part
+from ship_gym.physics._compiler import LOOP, PART, keep_part, quick_to_load
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _KERNEL_SOURCES = (
@@ -104,7 +104,7 @@ class Kernel:
     def alone(self):
         """Compiled to be called from Python."""
         with _own_cache("serial", self.py_func):
-            return numba.njit(self.py_func, cache=True, **_PLAIN)
+            return quick_to_load(numba.njit(self.py_func, cache=True, **_PLAIN))
 
     def __call__(self, *args):
         return self.alone(*args)
@@ -133,7 +133,7 @@ def _part(function):
 def loop(function):
     """Compile a loop over ships; its array arguments must not overlap. Other threads may run."""
     with _own_cache("serial", function):
-        return numba.njit(function, cache=True, nogil=True, **_PLAIN, **LOOP)
+        return quick_to_load(numba.njit(function, cache=True, nogil=True, **_PLAIN, **LOOP))
 
 
 def specialised(function: Callable, name: str, **kernels: Callable) -> Callable:
@@ -165,7 +165,7 @@ def specialised(function: Callable, name: str, **kernels: Callable) -> Callable:
     made.__qualname__, made.__doc__ = name, function.__doc__
     kept = all(_has_file(source) and source.__closure__ is None for source in sources)
     with _own_cache("serial", function):
-        return numba.njit(made, cache=kept, nogil=True, **_PLAIN, **LOOP)
+        return quick_to_load(numba.njit(made, cache=kept, nogil=True, **_PLAIN, **LOOP))
 
 
 def direct(function: Callable, arguments: Sequence[Any]) -> Callable:
