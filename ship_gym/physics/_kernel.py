@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from numba.core.target_extension import current_target
 
 from ship_gym.physics._cache import cache_folder
 from ship_gym.physics._compiler import LOOP, PART, keep_code, keep_part
@@ -27,6 +28,7 @@ _KERNEL_SOURCES = (
     "tracks/*.py",
     "tasks/**/*.py",
     "envs/interval.py",
+    "gpu/*.py",
 )
 
 
@@ -108,7 +110,16 @@ class Kernel:
 
     @property
     def _numba_type_(self):
-        return self.part._numba_type_
+        """What numba sees: the part; while it compiles for a graphics card, that of the card."""
+        on_card = current_target() == "cuda"
+        return (self.of_card if on_card else self.part)._numba_type_
+
+    @functools.cached_property
+    def of_card(self):
+        """Compiled for a graphics card: numba.cuda takes only numba's own functions by itself."""
+        from numba import cuda  # heavy, and not everywhere
+
+        return cuda.jit(device=True)(self.py_func)
 
     @functools.cached_property
     def alone(self):
