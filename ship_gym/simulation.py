@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ship_gym.config import ConfigError, check_angle, check_number
 from ship_gym.conventions import (
@@ -33,6 +32,7 @@ from ship_gym.physics.quantities import Tables
 from ship_gym.physics.scratch import scratch_for
 from ship_gym.physics.step import Fleet, sail_rows, see_waves
 from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_direction
+from ship_gym.roots import root
 from ship_gym.sea.records import Waters, set_phases, waters
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.files import Named
@@ -388,7 +388,7 @@ def self_propulsion(ship: Named | Ship, speed: float) -> float:
             f"{ship.name} cannot hold {speed:.4g} m/s: at its largest propeller speed "
             f"{ship.engine.n_max:.4g} rev/s resistance exceeds thrust"
         )
-    return float(brentq(surge, 0.0, ship.engine.n_max, xtol=1e-12))
+    return root(surge, 0.0, ship.engine.n_max, 1e-12)
 
 
 def history_columns(
