@@ -13,8 +13,8 @@ from ship_gym.physics.propeller import (
     advance_angle,
     sampled,
     surrogate_cell,
-    surrogate_of,
     surrogate_plane,
+    surrogate_unit,
     trained_direction,
 )
 from ship_gym.physics.rudder import race_speed_squared
@@ -85,7 +85,7 @@ def test_each_plane_is_met_at_its_angle_and_between_two_the_coefficients_are_lin
             (0.1, 0.4),
             (0.7, 1.0),
         ):
-            table, single = surrogate_of(side, tables), surrogate_of(side, one)
+            table, single = (t.deflected[surrogate_unit(side)] for t in (tables, one))
             plane = surrogate_plane(side * delta, box, table)
             at = surrogate_cell(0.3, 0.2, box, table)
             for channel in (C_T, C_N):
@@ -107,8 +107,8 @@ def test_the_force_on_the_rudder_is_that_of_the_table_from_the_smallest_angle_on
         thrust = forces((u, v, r), (delta, N), *alike)[3].thrust
         assert flow.thrust == pytest.approx(factor * thrust, rel=1e-9)
         table, plane = (
-            surrogate_of(1.0, tables),
-            surrogate_plane(delta, box, surrogate_of(1.0, tables)),
+            tables.deflected[surrogate_unit(1.0)],
+            surrogate_plane(delta, box, tables.deflected[surrogate_unit(1.0)]),
         )
         at = surrogate_cell(advance_angle(u, N, D), flow.beta_R_starboard, box, table)
         q = race_speed_squared(u, flow.thrust_starboard, D, ship.rho) + v * v
