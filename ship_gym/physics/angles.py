@@ -35,7 +35,7 @@ def north_east(size, direction, north, east):
 
 @kernel
 def cos_sin_of_turns(turns):
-    """Cos and sin of 2 pi `turns`, to 1e-12, exact at every quarter turn.
+    """Cos and sin of 2 pi `turns`, to 1e-12, exact at every half turn.
 
     Minimax polynomials on a quarter turn to either side; the other half of the circle is folded
     onto it.
@@ -78,7 +78,8 @@ def arctan2(y, x):
     The ratio is folded to within tan(pi/8), where a polynomial fitted to atan (minimax) serves.
     """
     ax, ay = abs(x), abs(y)
-    big, small = max(ax, ay), min(ax, ay)
+    # not max and min, which may drop what is not a number
+    big, small = (ax, ay) if ax > ay else (ay, ax)
     folded = small > _TAN_EIGHTH * big
     top = small - big if folded else small
     low = small + big if folded else big
@@ -96,7 +97,7 @@ def arctan2(y, x):
 
 @kernel
 def exp_negative(x):
-    """exp(x) for x <= 0, to 1e-13; below -30 that of -30, which is 1e-13.
+    """exp(x) for x <= 0, to 1e-13 (1e-9 of its value); below -30 that of -30, which is 1e-13.
 
     Taylor series at x / 32, then the 32nd power.
     """
