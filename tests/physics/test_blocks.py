@@ -224,5 +224,5 @@ def test_compiled_is_as_interpreted():
 @pytest.mark.slow
 def test_compiled_by_numba_s_own_way_the_bits_are_the_same(tmp_path):
     """Where a version of numba does not know our compiler classes."""
-    for one, other in zip(numbers(), numbers(PLAIN, XDG_CACHE_HOME=str(tmp_path)), strict=True):
+    for one, other in zip(numbers(), numbers(PLAIN, NUMBA_CACHE_DIR=str(tmp_path)), strict=True):
         np.testing.assert_array_equal(one, other)
