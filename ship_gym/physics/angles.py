@@ -84,10 +84,8 @@ def arctan2(y, x):
     The ratio is folded to within tan(pi/8), where a polynomial fitted to atan (minimax) serves.
     """
     ax, ay = abs(x), abs(y)
-    big, small = (
-        max(ax, ay),
-        min(ay, ax),
-    )  # in this order not a number stays so, which of them it is
+    # not max and min, which may drop what is not a number
+    big, small = (ax, ay) if ax > ay else (ay, ax)
     folded = small > _TAN_EIGHTH * big
     top = small - big if folded else small
     low = small + big if folded else big
@@ -105,7 +103,7 @@ def arctan2(y, x):
 
 @kernel
 def exp_negative(x):
-    """exp(x) for x <= 0, to 1e-13; below -30 that of -30, which is 1e-13.
+    """exp(x) for x <= 0, to 1e-13 (1e-9 of its value); below -30 that of -30, which is 1e-13.
 
     Taylor series at x / 32, then the 32nd power.
     """

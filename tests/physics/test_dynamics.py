@@ -1,9 +1,6 @@
 """Equations of motion, integrator, step: by substitution, by order, bit by bit."""
 
 import dataclasses
-import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -49,8 +46,8 @@ def sail(ship, n=3, steps=40, sea=SEA, dt=None, seed=5, parallel=False, command=
 
 
 @pytest.mark.compiled
-def test_fourth_order_in_time():
-    """RK4: errors fall by 16 when the step is halved, where the right-hand side is smooth.
+def test_third_order_in_time():
+    """Kutta: errors fall by 8 when the step is halved, where the right-hand side is smooth.
 
     The tables of the ships are piecewise linear, whose kinks would hide the order at this accuracy;
     so the propeller here has a constant thrust coefficient, and the engine no torque limit (the
@@ -79,7 +76,7 @@ def test_fourth_order_in_time():
     exact = end(2048)
     errors = [np.abs(end(steps) - exact).max() for steps in (16, 32, 64, 128)]
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
-    assert (orders > 3.9).all() and (orders < 4.3).all(), (errors, orders)
+    assert (orders > 2.9).all() and (orders < 3.3).all(), (errors, orders)
 
 
 @pytest.mark.compiled
@@ -119,45 +116,6 @@ def test_serial_parallel_and_batch_of_one_are_the_same_bits(name):
         for k in range(40):
             one.step(np.array([[rudder[k, i], rpm[k, i]]]), longest_step(ship))
         assert (one.state[0] == serial.state[i]).all()
-
-
-COMPILED = """
-import numpy as np
-from ship_gym.ships import load_ship, available_ships
-from ship_gym.sea import Sea
-from ship_gym.simulation import ShipSim
-for name in available_ships():
-    ship = load_ship(name)
-    sim = ShipSim(ship, 2, Sea(0.3, 1.0, 0.01, 0.001), parallel=False)
-    sim.reset(3)
-    rng = np.random.default_rng(0)
-    for k in range(25):
-        a = rng.uniform(0, 1, (2, 2)) * [ship.gear.delta_max, ship.engine.n_max]
-        sim.step(a * [[1, 1], [-1, 1]], 1.0 / ship.time_unit)
-    print(name, sim.state.tobytes().hex(), sim.forces.tobytes().hex())
-from ship_gym.sea import WaveSystem
-waves = (WaveSystem("jonswap", 3.0, 9.0, spreading=1.0),)
-sea = Sea(0.5, 1.0, waves=waves, wave_count=20, wind_speed=12.0, gusts=True, current_variation=0.3)
-sim = ShipSim(load_ship("kcs"), 2, sea, parallel=False)
-sim.reset(3)
-for k in range(25):
-    sim.step([[0.3, 1.5], [-0.2, 1.5]], 1.0)
-print("waves", sim.state.tobytes().hex(), sim.forces.tobytes().hex(), sim.waves.tobytes().hex())
-"""
-
-
-@pytest.mark.compiled
-def test_compiled_is_the_same_bits_as_python():
-    def run(**extra):
-        env = {**os.environ, **extra}
-        done = subprocess.run(
-            [sys.executable, "-c", COMPILED], env=env, capture_output=True, text=True, check=True
-        )
-        return done.stdout
-
-    compiled = run()
-    assert len(compiled.split("\n")) == len(available_ships()) + 2
-    assert compiled == run(NUMBA_DISABLE_JIT="1")
 
 
 @pytest.mark.parametrize("name", available_ships())
