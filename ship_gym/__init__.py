@@ -24,6 +24,7 @@ _PUBLIC = {
     "Ship": "ship_gym.ships.particulars",
     "ShipEnv": "ship_gym.envs.env",
     "ShipSim": "ship_gym.simulation",
+    "ShipTorchEnv": "ship_gym.gpu.torch_env",
     "ShipVectorEnv": "ship_gym.envs.vector_env",
     "Track": "ship_gym.tracks.track",
     "Trajectory": "ship_gym.recording.trajectory",

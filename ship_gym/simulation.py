@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ship_gym.config import ConfigError, check_angle, check_number
 from ship_gym.conventions import (
@@ -33,6 +32,7 @@ from ship_gym.physics.quantities import Tables
 from ship_gym.physics.scratch import scratch_for
 from ship_gym.physics.step import Fleet, sail_rows, see_waves
 from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_direction
+from ship_gym.roots import root
 from ship_gym.sea.records import Waters, set_phases, waters
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.ships.files import Named
@@ -155,6 +155,8 @@ class ShipSim:
         self.state[:, PSI] = psi
         self.state[:, U] = speeds
         self.state[:, N] = self.self_propulsion(self.state[:, U]) if n is None else n
+        for now, mean in (("V_north", "mean_north"), ("V_east", "mean_east")):
+            self.seas[now] = self.seas[mean]  # not the current at the end of the last run
         over_ground(self.state, self.seas)
         self.time[:] = 0.0
         draws = [np.random.default_rng(None if seed is None else seed + i) for i in range(self.n)]
@@ -293,8 +295,8 @@ class ShipSim:
 
     @property
     def threads(self) -> int:
-        """Number of threads that sail the batch."""
-        return max(usable_cores(), 2) if self.parallel else 1
+        """Number of threads that sail the batch: there is a scratch for each."""
+        return len(self.fleet.scratch)
 
     @functools.cached_property
     def fleet(self) -> Fleet:
@@ -312,7 +314,7 @@ class ShipSim:
             tables=self._tables,
             traits=traits_of(self._records, self._expected),
             water=self.water.arrays,
-            scratch=scratch_for(self.threads),
+            scratch=scratch_for(max(usable_cores(), 2) if self.parallel else 1),
         )
 
     @functools.cached_property
@@ -386,7 +388,7 @@ def self_propulsion(ship: Named | Ship, speed: float) -> float:
             f"{ship.name} cannot hold {speed:.4g} m/s: at its largest propeller speed "
             f"{ship.engine.n_max:.4g} rev/s resistance exceeds thrust"
         )
-    return float(brentq(surge, 0.0, ship.engine.n_max, xtol=1e-12))
+    return root(surge, 0.0, ship.engine.n_max, 1e-12)
 
 
 def history_columns(

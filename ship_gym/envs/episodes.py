@@ -18,7 +18,7 @@ from ship_gym.conventions import (
     N_FLOW,
 )
 from ship_gym.envs.info import Info, Layout, info_of_all, info_of_one, side_by_side
-from ship_gym.envs.interval import BAD_ACTION, BAD_OUTCOME, Episodes, Failure, Loops
+from ship_gym.envs.interval import BAD_ACTION, BAD_OUTCOME, Episodes, Failure, Loops, loops_of
 from ship_gym.envs.probe import check_outcomes, try_kernels
 from ship_gym.envs.randomisation import ShipDraws, check_has_std
 from ship_gym.envs.weather import Weathers
@@ -127,6 +127,14 @@ class EpisodeBatch:
         if self._made is None or self._made.fleet is not self.sim.fleet:
             self._made = self._make_loops()
         return self._made
+
+    def compile(self) -> None:
+        """Compile every loop of the task for ships and water of these types, or load what is kept.
+
+        Without it each is compiled when it is first called.
+        """
+        for name in loops_of(self.task):
+            getattr(self._loops, name)
 
     def _make_loops(self) -> Loops:
         episodes = Episodes(

@@ -115,6 +115,15 @@ def keep(state, kept):
         kept[k] = state[k]
 
 
+@kernel
+def any_of(flags):
+    """Whether any of them is set; numpy's would load numba's linear algebra in each process."""
+    for k in range(len(flags)):
+        if flags[k]:
+            return True
+    return False
+
+
 def _interval(first, last, fleet, episodes):
     """Sail one control interval of the episodes from `first` up to `last`.
 
@@ -131,7 +140,7 @@ def _interval(first, last, fleet, episodes):
     e = episodes
     if not all_finite(e.actions):
         return BAD_ACTION
-    has_aim, lost = e.reached.any(), 0
+    has_aim, lost = any_of(e.reached), 0
     thread = thread_of(first, e.actions.shape[0], e.before.shape[0] // BLOCK)
     for start in range(first, last, BLOCK):
         stop, kept = min(start + BLOCK, last), thread * BLOCK - start  # row kept + i of `before`

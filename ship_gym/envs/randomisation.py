@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import ndtri
 
 from ship_gym.config import ConfigError
 from ship_gym.scenarios.sections import Randomisation
@@ -95,6 +94,8 @@ class ShipDraws:
     def _value(self, section: str, uniform: np.ndarray) -> np.ndarray:
         if section in ("loading", "gear", "sensors"):
             return 1.0 + getattr(self._spread, section) * (2.0 * uniform - 1.0)
+        from scipy.special import ndtri  # late: a quarter of a second
+
         z = np.clip(ndtri(uniform), -_CUT, _CUT) * getattr(self._spread, f"{section}_std")
         return z if section == "surrogate" else 1.0 + z
 

@@ -24,8 +24,9 @@ import shutil
 import stat
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import IO
 
 _OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 _UNUSED = 30 * 86400.0  # [s] after which kernels of other sources are removed
@@ -112,6 +113,31 @@ def _for_this_process() -> str:
 
     atexit.register(remove)
     return folder
+
+
+@contextlib.contextmanager
+def one_at_a_time(folder: str) -> Iterator[None]:
+    """Let other processes of this machine wait that do the same with a folder.
+
+    Where a file system knows no locks nobody waits.
+    """
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    with open(Path(folder) / "lock", "a", encoding="utf-8") as file:
+        with contextlib.suppress(OSError):
+            _lock(file)
+        yield  # closing the file ends the lock
+
+
+def _lock(file: IO[str]) -> None:
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        import msvcrt
+
+        file.seek(0)
+        msvcrt.locking(file.fileno(), msvcrt.LK_LOCK, 1)
+    else:
+        fcntl.flock(file, fcntl.LOCK_EX)
 
 
 def _forget_old_kernels(folder: Path) -> None:

@@ -12,6 +12,8 @@ from __future__ import annotations
 import functools
 from typing import Any
 
+from ship_gym.physics._cache import one_at_a_time
+
 WIDE = '"prefer-vector-width"="512"'  # where there are such registers; LLVM prefers half of them
 
 try:
@@ -86,6 +88,35 @@ try:
     WORKS = True
 except (ImportError, AttributeError):
     LOOP, PART, WORKS = {}, {}, False
+
+
+saved: list[str] = []  # functions that this process has compiled, and whose code it has kept
+
+
+def keep_code(function: Any) -> Any:
+    """Change how a dispatcher loads and saves the machine code that it keeps.
+
+    Loading does without what numba imports in order to compile: half of the time to the first step
+    of a process for which all is kept. Saving is for one process at a time: two that compile a
+    function for other types at once would take the same file (numba reads the index, adds to it and
+    writes it), and one would later run the code of the other.
+    """
+    cache = getattr(function, "_cache", None)
+    if not (WORKS and hasattr(cache, "_load_overload") and hasattr(cache, "cache_path")):
+        return function
+    save = cache.save_overload
+
+    def load_overload(signature, context):
+        with cache._guard_against_spurious_io_errors():
+            return cache._load_overload(signature, context)
+
+    def save_overload(signature, made):
+        with one_at_a_time(cache.cache_path):
+            save(signature, made)
+        saved.append(function.py_func.__qualname__)
+
+    cache.load_overload, cache.save_overload = load_overload, save_overload
+    return function
 
 
 def keep_part(part: Any) -> Any:

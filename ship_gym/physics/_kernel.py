@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from numba.core.target_extension import current_target
 
 from ship_gym.physics._cache import cache_folder
-from ship_gym.physics._compiler import LOOP, PART, keep_part
+from ship_gym.physics._compiler import LOOP, PART, keep_code, keep_part
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _KERNEL_SOURCES = (
@@ -27,6 +28,7 @@ _KERNEL_SOURCES = (
     "tracks/*.py",
     "tasks/**/*.py",
     "envs/interval.py",
+    "gpu/*.py",
 )
 
 
@@ -40,6 +42,16 @@ def source_hash() -> str:
 
 
 _CACHE_FOLDER = cache_folder(source_hash())
+
+
+def code_folder() -> Path:
+    """Where the machine code of this process lies."""
+    return Path(_CACHE_FOLDER)
+
+
+def compiles() -> bool:
+    """Whether kernels are compiled: not with ``NUMBA_DISABLE_JIT=1``."""
+    return not numba.config.DISABLE_JIT
 
 
 def _beside(folder: Path) -> str:
@@ -98,13 +110,22 @@ class Kernel:
 
     @property
     def _numba_type_(self):
-        return self.part._numba_type_
+        """What numba sees: the part; while it compiles for a graphics card, that of the card."""
+        on_card = current_target() == "cuda"
+        return (self.of_card if on_card else self.part)._numba_type_
+
+    @functools.cached_property
+    def of_card(self):
+        """Compiled for a graphics card: numba.cuda takes only numba's own functions by itself."""
+        from numba import cuda  # heavy, and not everywhere
+
+        return cuda.jit(device=True)(self.py_func)
 
     @functools.cached_property
     def alone(self):
         """Compiled to be called from Python."""
         with _own_cache("serial", self.py_func):
-            return numba.njit(self.py_func, cache=True, **_options(self.py_func))
+            return keep_code(numba.njit(self.py_func, cache=True, **_options(self.py_func)))
 
     def __call__(self, *args):
         return self.alone(*args)
@@ -143,7 +164,7 @@ def _part(function):
 def loop(function):
     """Compile a loop over ships; its array arguments must not overlap. Other threads may run."""
     with _own_cache("serial", function):
-        return numba.njit(function, cache=True, nogil=True, **_PLAIN, **LOOP)
+        return keep_code(numba.njit(function, cache=True, nogil=True, **_PLAIN, **LOOP))
 
 
 def specialised(function: Callable, name: str, **kernels: Callable) -> Callable:
@@ -175,7 +196,7 @@ def specialised(function: Callable, name: str, **kernels: Callable) -> Callable:
     made.__qualname__, made.__doc__ = name, function.__doc__
     kept = all(_has_file(source) and source.__closure__ is None for source in sources)
     with _own_cache("serial", function):
-        return numba.njit(made, cache=kept, nogil=True, **_PLAIN, **LOOP)
+        return keep_code(numba.njit(made, cache=kept, nogil=True, **_PLAIN, **LOOP))
 
 
 def direct(function: Callable, arguments: Sequence[Any]) -> Callable:

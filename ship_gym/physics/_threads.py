@@ -6,7 +6,7 @@ import functools
 import itertools
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 
 from ship_gym.physics.scratch import LANES
 
@@ -44,7 +44,11 @@ def in_parts(call: Callable[[int, int], int], n: int, parts: int) -> list[int]:
         return [call(0, n)]
     (first, last), *others = parts_of(n, parts)
     waiting = [_pool(os.getpid()).submit(call, *part) for part in others]
-    return [call(first, last), *(one.result() for one in waiting)]
+    try:
+        return [call(first, last), *(one.result() for one in waiting)]
+    except BaseException:
+        wait(waiting)  # none goes on to write where the caller may begin anew
+        raise
 
 
 @functools.lru_cache(maxsize=1)

@@ -41,7 +41,7 @@ def north_east(size, direction, north, east):
 
 @kernel
 def cos_sin_of_turns(turns):
-    """Cos and sin of 2 pi `turns`, to 1e-12, exact at every quarter turn.
+    """Cos and sin of 2 pi `turns`, to 1e-12, exact at every half turn.
 
     Minimax polynomials on a quarter turn to either side; the other half of the circle is folded
     onto it.
@@ -84,11 +84,14 @@ def arctan2(y, x):
     The ratio is folded to within tan(pi/8), where a polynomial fitted to atan (minimax) serves.
     """
     ax, ay = abs(x), abs(y)
-    big, small = max(ax, ay), min(ax, ay)
+    big, small = (
+        max(ax, ay),
+        min(ay, ax),
+    )  # in this order not a number stays so, which of them it is
     folded = small > _TAN_EIGHTH * big
     top = small - big if folded else small
     low = small + big if folded else big
-    t = top / (low if low != 0.0 else 1.0)  # not a number stays so
+    t = top / (low if low != 0.0 else 1.0)
     z = t * t
     p = 0.069365288914074 - z * 0.037043752238949144
     p = -0.14285319242693706 + z * (0.11102357866490058 + z * (-0.08983415449924784 + z * p))

@@ -108,8 +108,9 @@ def surrogate_plane(delta, surrogate, table):
 @kernel
 def surrogate_cell(epsilon, beta, surrogate, table):
     """Cell of the surrogate's table at advance angle and drift, both [rad]."""
-    i, w = cell(epsilon, surrogate.epsilon_start, surrogate.epsilon_step, table.shape[-3])
-    j, q = cell(beta, surrogate.beta_start, surrogate.beta_step, table.shape[-2])
+    axis = table.ndim - 3  # counted from the front: numba's simulator of a card asks for that
+    i, w = cell(epsilon, surrogate.epsilon_start, surrogate.epsilon_step, table.shape[axis])
+    j, q = cell(beta, surrogate.beta_start, surrogate.beta_step, table.shape[axis + 1])
     return i, w, j, q
 
 

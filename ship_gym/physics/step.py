@@ -196,16 +196,17 @@ def board(x, lo, hi, first, fleet):
 
 @composed
 def load_lanes(x, lo, hi, first, step, fleet):
-    """Loads and current of every lane for its next step; those of the first one are kept."""
+    """Loads and current of every lane that sails this step; those of the first one are kept."""
     for i in range(lo, hi):
+        if step >= x.steps[i]:
+            continue
         ship = first + i
         sea, met, dt = fleet.seas[ship], fleet.met[ship], x.dt[i]
-        time = fleet.time[ship] + step * dt
-        vary_current(time, sea)
-        x.current[0, i], x.current[1, i] = sea.V_north, sea.V_east
-        body = body_of(x.start, i)
+        time, body = fleet.time[ship] + step * dt, body_of(x.start, i)
         if sea.wavy == 1 and met[WAVE_AHEAD] != dt:  # the interval has changed
             see(time, dt, body, sea, fleet.water, ship, x, met)
+        vary_current(time + 0.5 * dt, sea)
+        x.current[0, i], x.current[1, i] = sea.V_north, sea.V_east
         held = held_loads(time, dt, body, sea, fleet.water, ship, met, x)
         load = total(held)
         for k in range(3):
@@ -250,11 +251,12 @@ def move(x, lo, hi, step):
 
 @composed
 def look(x, lo, hi, first, step, fleet):
-    """What waves do to every lane that sails this step, at its end."""
+    """Current and what waves do to every lane that sails this step, at its end."""
     for i in range(lo, hi):
         if step < x.steps[i]:
             ship, dt = first + i, x.dt[i]
             time, sea, met = fleet.time[ship] + (step + 1) * dt, fleet.seas[ship], fleet.met[ship]
+            vary_current(time, sea)
             see(time, dt, body_of(x.start, i), sea, fleet.water, ship, x, met)
 
 

@@ -10,10 +10,9 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from scipy.optimize import brentq
-
 from ship_gym.config import ConfigError, check_number
 from ship_gym.conventions import KNOT
+from ship_gym.roots import root
 from ship_gym.ships.open_water import coefficients
 from ship_gym.ships.particulars import PropulsionPoint, Ship
 
@@ -89,7 +88,7 @@ def powering(ship: Ship, speed: float | None = None) -> Powering:
             f"{ship.name} cannot hold {U:.4g} m/s: resistance {resistance:.4g} N exceeds the "
             f"thrust at its largest propeller speed, {highest:.4g} rev/s"
         )
-    n = float(brentq(lambda n: forces(n)[0] - each, lowest, highest, xtol=1e-13))
+    n = root(lambda n: forces(n)[0] - each, lowest, highest, 1e-13)
     return Powering(U, n, resistance, units * each, units * forces(n)[1])
 
 

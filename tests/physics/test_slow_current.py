@@ -1,12 +1,15 @@
 """A current that varies slowly, and one that does not, by hand."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
+from ship_gym import Sea, ShipSim
 from ship_gym.physics.dynamics import over_ground, vary_current, water_velocity
 from ship_gym.sea.records import SEA_DTYPE
+from ship_gym.sea.state import irregular_sea
 
 
 def sea(**values):
@@ -55,3 +58,63 @@ def test_current_in_the_axes_of_the_ship(psi, along, starboard):
     states = np.array([[5.0, 0.5, 0.0, 0.0, 0.0, psi, 0.0, 1.0]])
     over_ground(states, seas)
     assert states[0, :2] == pytest.approx([5.0 + along, 0.5 + starboard])
+
+
+VARYING = Sea(
+    current_speed=1.0, current_direction_to=1.1, current_variation=0.5, current_period=100.0
+)
+COMMAND = np.array([[0.2, 1.7]])
+
+
+def test_a_ship_whose_steps_are_done_keeps_its_current():
+    """Its neighbour sails five steps in the same interval."""
+    intervals = np.array([1.0, 5.0])
+    both = ShipSim("kcs", 2, VARYING)
+    both.reset(seed=1)
+    single = [ShipSim("kcs", 1, VARYING) for _ in intervals]
+    for i, sim in enumerate(single):
+        sim.reset(seed=1 + i)
+    for _ in range(3):
+        both.step(np.repeat(COMMAND, 2, axis=0), intervals)
+        for sim, interval in zip(single, intervals, strict=True):
+            sim.step(COMMAND, interval)
+    for i, sim in enumerate(single):
+        assert both.seas[i] == sim.seas[0]
+        assert np.array_equal(both.state[i], sim.state[0])
+
+
+def test_a_reset_forgets_the_current_of_the_last_run():
+    sim = ShipSim("kcs", 1, VARYING)
+    first = sim.reset(seed=1).copy()
+    sim.step(COMMAND, 30.0)
+    assert np.array_equal(sim.reset(seed=1), first)
+
+
+def test_waves_in_it_are_the_same_whatever_interval_was_set_before_a_reset():
+    waves = irregular_sea(4.0, 10.0, direction_from=2.2)
+    sea = dataclasses.replace(
+        waves, current_speed=1.0, current_variation=0.5, current_period=100.0, wave_count=8
+    )
+    sim = ShipSim("kcs", 1, sea)
+    runs = []
+    for _ in range(2):  # the first time none is set
+        sim.reset(seed=1)
+        runs.append(sim.step(COMMAND, 1.0).copy())
+    sim.set_interval(0.3)
+    sim.reset(seed=1)
+    runs.append(sim.step(COMMAND, 1.0).copy())
+    assert np.array_equal(runs[0], runs[1]) and np.array_equal(runs[0], runs[2])
+
+
+def test_halving_the_step_in_it_quarters_the_error():
+    """The current of a step is that of its middle: of first order it would be halved."""
+    places = []
+    for step in (4.0, 2.0, 0.125):
+        sim = ShipSim("kcs", 1, VARYING)
+        sim._longest[:] = step
+        sim.reset(seed=1)
+        for _ in range(20):
+            sim.step([[0.0, 1.7]], 4.0)
+        places.append(sim.state[0, :6].copy())
+    coarse, fine = (np.abs(place - places[2])[[0, 3, 4]] for place in places[:2])
+    assert (fine < 0.35 * coarse).all(), (coarse, fine)

@@ -3,11 +3,14 @@
 import itertools
 import os
 import threading
+import time
 
 import pytest
 
+import ship_gym
 from ship_gym.physics import _threads
 from ship_gym.physics._threads import BLOCK, in_parts, parts_of
+from ship_gym.physics.step import thread_of
 
 
 @pytest.mark.parametrize("n", [1, 63, 64, 65, 129, 1000, 4096])
@@ -38,6 +41,38 @@ def test_each_part_is_run_and_an_error_of_one_is_raised():
 
     with pytest.raises(ValueError, match="wrong"):
         in_parts(wrong, 1000, 2)
+
+
+def test_an_error_is_told_when_all_parts_are_done():
+    done = []
+
+    def call(first, last):
+        if first == 0:
+            raise ValueError("wrong")
+        time.sleep(0.05)
+        done.append(first)
+
+    with pytest.raises(ValueError, match="wrong"):
+        in_parts(call, 1000, 2)
+    assert len(done) == 1
+
+
+@pytest.mark.parametrize("n", [1, 64, 65, 128, 129, 1000, 1001])
+@pytest.mark.parametrize("threads", [1, 2, 3, 5, 16])
+def test_every_block_of_a_part_has_the_scratch_of_that_part(n, threads):
+    for thread, (first, last) in enumerate(parts_of(n, threads)):
+        assert {thread_of(row, n, threads) for row in range(first, last, BLOCK)} == {thread}
+
+
+def test_there_are_as_many_parts_as_scratches_whatever_changes_later(monkeypatch):
+    sim = ship_gym.ShipSim("kcs", 256, parallel=True)
+    scratches = len(sim.fleet.scratch)
+    monkeypatch.setattr("ship_gym.simulation.usable_cores", lambda: 4 * scratches)
+    assert sim.threads == scratches
+    alone = ship_gym.ShipSim("kcs", 256, parallel=False)
+    assert len(alone.fleet.scratch) == 1
+    alone.parallel = True
+    assert alone.threads == 1
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
