@@ -76,14 +76,14 @@ def test_text_has_every_table(call, timeless):
 
 
 def test_json_picture_and_page(call, timeless):
-    Path("p.md").write_text(f"# Speed\n\n{speed.BEGIN}\nold\n{speed.END}\n\nend\n")
+    Path("p.md").write_text(f"# Speed\n\n{speed.BEGIN}\nbefore this run\n{speed.END}\n\nend\n")
     arguments = ("--quick", "--json", "--plot", "s.png", "--page", "p.md")
     code, out, _ = call("benchmark_speed.py", *arguments)
     data = json.loads(out)
     assert code == 0 and data["files"] == ["s.png", "p.md"]
     assert Path("s.png").read_bytes()[:4] == b"\x89PNG"
     page = Path("p.md").read_text()
-    assert "old" not in page and page.endswith("\n\nend\n") and "physics, calm" in page
+    assert "before this run" not in page and page.endswith("\n\nend\n") and "physics, calm" in page
     assert {row["n"] for row in data["growth"]} == {1, 256, 1024}
     assert [row["n"] for row in data["waves"]] == [0, 60]
     assert data["training"] == {} and data["machine"]["cores"] >= 1
