@@ -44,8 +44,12 @@ def root(function: Callable[[float], float], low: float, high: float, within: fl
         shift = rise * (middle - low) * at_middle / math.sqrt(at_middle**2 - at_low * at_high)
         found = middle + shift
         value = function(found)
-        if value == 0.0 or abs(found - before) <= within:
+        if value == 0.0:
             return found
+        if abs(found - before) <= within:  # near a kink steps may be short, but not the last
+            other_side = found + within if (value < 0.0) == (at_low < 0.0) else found - within
+            if (function(other_side) < 0.0) != (value < 0.0):
+                return found
         before = found
         ends = ((low, at_low), (middle, at_middle), (found, value), (high, at_high))
         low, at_low, high, at_high = _narrowest(sorted(ends))

@@ -205,3 +205,50 @@ def test_the_kernels_of_this_process_lie_in_a_folder_of_its_own():
     folder = Path(_kernel._CACHE_FOLDER)
     assert folder.name == _kernel.source_hash() and is_own(folder)
     assert _cache.kept_in(folder.parent, folder.name) == folder
+
+
+SAVER = """
+import sys, time
+from ship_gym.physics import _kernel
+
+@_kernel.loop
+def total(values):
+    found = 0.0
+    for k in range(len(values)):
+        found += values[k]
+    return found
+
+import numpy as np
+print(total(np.ones(3, sys.argv[1])), len(_kernel.keep_code.__globals__["saved"]))
+"""
+
+
+@posix
+def test_processes_that_save_at_once_do_not_take_each_others_code(tmp_path):
+    """Four types of one function: numba alone gives all of them the file number 1."""
+    (tmp_path / "adding.py").write_text(SAVER)
+    env = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    env.pop("NUMBA_DISABLE_JIT", None)
+    types = ("f8", "f4", "i8", "u1")
+
+    def run_all():
+        running = [
+            subprocess.Popen(
+                [sys.executable, str(tmp_path / "adding.py"), name],
+                env=env, stdout=subprocess.PIPE, text=True,
+            )
+            for name in types
+        ]  # fmt: skip
+        return [one.communicate()[0].split() for one in running]
+
+    assert run_all() == [["3.0", "1"]] * 4
+    assert run_all() == [["3.0", "0"]] * 4
+    codes = [path for path in (tmp_path / "cache").rglob("*.nbc") if "total" in path.name]
+    assert len(codes) == 4
+
+
+def test_a_lock_lets_errors_through_and_is_free_afterwards(tmp_path):
+    with pytest.raises(OSError, match="full"), _cache.one_at_a_time(str(tmp_path / "new")):
+        raise OSError("disk full")
+    with _cache.one_at_a_time(str(tmp_path / "new")):
+        pass
