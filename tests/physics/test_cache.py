@@ -173,7 +173,7 @@ def test_without_a_usable_home_kernels_are_compiled_once(tmp_path, home):
         f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n"
         "import tiny; from ship_gym.physics import _kernel\n"
         "assert tiny.double(1.5) == 3.0\n"
-        "print(_kernel._CACHE_FOLDER, sum(tiny.double.stats.cache_hits.values()))"
+        "print(_kernel._CACHE_FOLDER, sum(tiny.double.alone.stats.cache_hits.values()))"
     )
     first, second = (run(code, tmp_path, HOME=str(tmp_path / home)) for _ in range(2))
     folder = tmp_path / "tmp" / f"ship_gym-{os.getuid()}"

@@ -73,8 +73,8 @@ def test_third_order_in_time():
             sim.step(command, 24.0 / steps)
         return sim.state[0, :6]
 
-    exact = end(2048)
-    errors = [np.abs(end(steps) - exact).max() for steps in (16, 32, 64, 128)]
+    exact = end(4096)
+    errors = [np.abs(end(steps) - exact).max() for steps in (64, 128, 256, 512)]
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     assert (orders > 2.9).all() and (orders < 3.3).all(), (errors, orders)
 

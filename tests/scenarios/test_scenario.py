@@ -55,7 +55,7 @@ def test_states_draw_heights_periods_and_winds_of_their_table():
         env.reset(seed=seed)
         e = env.episodes
         wind = math.hypot(e.sim.seas["wind_north"][0], e.sim.seas["wind_east"][0])
-        height = 4.0 * math.sqrt(0.5 * (e.sim.water.waves[0, 0] ** 2).sum())
+        height = 4.0 * math.sqrt(0.5 * (e.sim.water.waves_of(0)[0] ** 2).sum())
         assert height == pytest.approx(e.tasks["wave_height"][0])
         found.append((e.tasks["wave_period"][0], height, wind))
     found = np.array(found)
