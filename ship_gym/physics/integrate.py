@@ -79,9 +79,9 @@ def ask(x, lo, hi, weight, reach, back, tables, traits):
         rates, own, units = derivative(body_of(x.at, i), controls, load, ship, sea, one)
         w, h = weight * x.dt[i], reach * x.dt[i]
         for k in range(6):
-            before = x.sum[k, i]
+            before = x.change[k, i]
             x.at[k, i] = x.start[k, i] + h * rates[k] + back * before
-            x.sum[k, i] = before + w * rates[k]
+            x.change[k, i] = before + w * rates[k]
         for k in range(3):
             x.own[k, i], x.own[3 + k, i] = own.hull[k], own.propeller[k]
             x.own[6 + k, i] = own.rudder[k]
@@ -116,4 +116,4 @@ def begin_step(x, lo, hi):
     """Place and sum of every lane at the start of a step."""
     for k in range(6):
         for i in range(lo, hi):
-            x.at[k, i], x.sum[k, i] = x.start[k, i], 0.0
+            x.at[k, i], x.change[k, i] = x.start[k, i], 0.0

@@ -20,7 +20,7 @@ _FIELDS = [
     ("ship", (N_PARAMETERS, LANES)),  # parameters.ship_at
     ("start", (6, LANES)),  # Body at the start of the step,
     ("at", (6, LANES)),  # where the rates are asked for,
-    ("sum", (6, LANES)),  # and the weighted sum of the rates
+    ("change", (6, LANES)),  # and the weighted sum of the rates; `sum` is a method of records
     ("delta", (3, LANES)),  # Controls at start, middle and end of the step
     ("n", (3, LANES)),
     ("now", (2, LANES)),  # those of a stage

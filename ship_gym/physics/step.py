@@ -243,7 +243,7 @@ def move(x, lo, hi, step):
     for i in range(lo, hi):
         if step < x.steps[i]:
             for k in range(6):
-                x.start[k, i] += x.sum[k, i]
+                x.start[k, i] += x.change[k, i]
             x.delta[START, i], x.n[START, i] = x.delta[END, i], x.n[END, i]
 
 
