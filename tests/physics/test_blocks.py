@@ -168,13 +168,11 @@ def test_records_written_while_sailing_are_noticed():
         one.reset(0)
         one.step(command, 1.0)
     sim.records["hull"]["R_0"][1] *= 2.0
-    before = sim.state.copy()
     for one in (sim, other):
         one.step(command, 1.0)
     assert sim.fleet.traits.each == 1 and other.fleet.traits.each is None
     assert (sim.state[[0, 2]] == other.state[[0, 2]]).all()
-    # -X_H = 1/2 rho L d U^2 R_0, by half a second twice
-    assert sim.state[1, 0] < other.state[1, 0] < before[1, 0] + 1.0
+    assert sim.state[1, 0] < other.state[1, 0]  # twice the resistance
 
 
 SAILED = """
