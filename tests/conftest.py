@@ -1,4 +1,5 @@
 import dataclasses
+import os
 
 import pytest
 
@@ -7,7 +8,17 @@ from ship_gym.physics.quantities import Tables
 from ship_gym.ships import available_ships, load_ship
 from ship_gym.ships.records import fleet
 
+# One compiled version of the kernels for all ships: hundreds of tests sail a little. That the version
+# of one kind of ship has the same bits is tested in tests/physics/test_blocks.py.
+os.environ.setdefault("SHIP_GYM_ONE_VERSION", "1")
+
 SHIPS = available_ships()
+
+
+@pytest.fixture
+def own_versions(monkeypatch):
+    """Each kind of ship has a compiled version of its own, as for users."""
+    monkeypatch.delenv("SHIP_GYM_ONE_VERSION")
 
 
 def tables_of(ship):

@@ -80,6 +80,13 @@ def drawn(records, rows):
         records["surrogate"][name] = 0.1 * ((rows + k) % 5 - 2)
 
 
+@pytest.fixture(autouse=True)
+def _own_versions(request):
+    """The slow tests compile as for users; the others with the one version of most tests."""
+    if request.node.get_closest_marker("slow"):
+        request.getfixturevalue("own_versions")
+
+
 @pytest.mark.compiled
 @pytest.mark.parametrize("sea", SEAS)
 def test_batches_of_every_size_are_the_ships_alone(sea):
@@ -160,6 +167,7 @@ def test_a_trait_that_no_ship_has_changes_no_bit():
         same(sailed(ships, ROUGH, traits=(trait,)), plain)
 
 
+@pytest.mark.slow
 def test_records_written_while_sailing_are_noticed():
     """What was a constant of all ships is a column from then on."""
     ship, command = load_ship("kcs"), np.tile([0.1, 1.4], (3, 1))

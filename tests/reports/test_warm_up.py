@@ -37,7 +37,7 @@ def kept(monkeypatch, tmp_path):
     return tmp_path
 
 
-def test_every_ship_is_in_the_set_of_its_traits():
+def test_every_ship_is_in_the_set_of_its_traits(own_versions):
     sets = warm_up.sets_of(available_ships())
     assert sorted(name for names in sets for name in names) == sorted(available_ships())
     assert ("onrt", "onrt_model") in sets
