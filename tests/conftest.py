@@ -8,8 +8,8 @@ from ship_gym.physics.quantities import Tables
 from ship_gym.ships import available_ships, load_ship
 from ship_gym.ships.records import fleet
 
-# One compiled version of the kernels for all ships: hundreds of tests sail a little. That the version
-# of one kind of ship has the same bits is tested in tests/physics/test_blocks.py.
+# One compiled version of the kernels for all ships: hundreds of tests sail a little. That the
+# version of one kind of ship has the same bits is tested in tests/physics/test_blocks.py.
 os.environ.setdefault("SHIP_GYM_ONE_VERSION", "1")
 
 SHIPS = available_ships()
