@@ -25,8 +25,9 @@ def nearest(x):
 
 @kernel
 def wrapped(angle):
-    """Angle in [-pi, pi] [rad]."""
-    return angle - _TURN * nearest(angle * _PER_RADIAN)
+    """Angle in [-pi, pi) [rad]."""
+    found = angle - _TURN * nearest(angle * _PER_RADIAN)
+    return found - _TURN if found >= math.pi else found
 
 
 @kernel

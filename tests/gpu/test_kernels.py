@@ -64,7 +64,7 @@ def test_an_action_that_is_not_finite_is_not_sailed():
     np.testing.assert_array_equal(episodes.sim.state, before)
 
 
-def test_batches_of_other_ships_have_other_names():
+def test_batches_of_other_ships_have_other_names(own_versions):
     """Machine code is kept by these names: what no ship has, as a second screw, is left out."""
     names = [of_one_ship(batch_of(made(name)))[1] for name in ("heading", "calm", "fleet")]
     assert names[0] == names[1] != names[2]

@@ -44,6 +44,7 @@ def sea(mean=False, **values):
     record["speed_step"] = record["speed_max"] = 1.0
     for name, value in values.items():
         record[name] = value
+    record["wave_north"], record["wave_east"] = np.cos(record["wave_to"]), np.sin(record["wave_to"])
     return record[0]
 
 
@@ -58,7 +59,9 @@ def waves_of(directions, turns, response, omegas=(OMEGA,)):
             components[0, :, 8 * g + k] = A, omega, omega**2 / G
             phases[0, 8 * g + k] = turns
             found["of"][0, :, :, g, :, k] = response
-    return Waves(components, np.array(directions), groups, found, phases)
+    offsets = np.array(directions)
+    turns = np.stack([np.cos(offsets), np.sin(offsets)], axis=1)
+    return Waves(components, offsets, turns, groups, found, phases)
 
 
 def loads(

@@ -145,6 +145,7 @@ def surroundings(gusts=None, harmonics=None):
     waves = Waves(
         components=np.zeros((1, 3, 0)),
         offsets=np.zeros(0),
+        turns=np.zeros((0, 2)),
         groups=np.zeros(1, np.uint64),
         response=np.zeros((1, 2, 2, 0), EIGHT_WAVES),
         phases=np.zeros((1, 0)),

@@ -46,7 +46,7 @@ def test_every_ship_is_in_the_set_of_its_traits(own_versions):
     assert len(set().union(*traits)) == len(sets)
 
 
-def test_jobs_are_physics_then_tasks(kept):
+def test_jobs_are_physics_then_tasks(kept, own_versions):
     jobs = warm_up.jobs_of(["kcs", "kcs_model", "onrt"], ["heading_keeping"])
     pairs = [("kcs", "kcs_model"), ("onrt",)]
     parts = [(PHYSICS, pairs[0]), (PHYSICS, pairs[1])]
