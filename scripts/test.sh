@@ -90,7 +90,8 @@ cover_kernels() { # compiled code leaves no trace, so Python runs the kernels: a
         -m "not slow and not compiled" --cov=ship_gym "--cov-config=$settings" \
         --cov-report=term-missing:skip-covered "--cov-fail-under=$KERNEL_LINES" \
         ${arguments[@]+"${arguments[@]}"} \
-        tests/physics tests/sea tests/tasks tests/tracks tests/gpu/test_kernels.py || code=$?
+        tests/physics tests/sea tests/tasks tests/tracks tests/envs/test_interval.py \
+        tests/gpu/test_kernels.py || code=$?
     rm -f "$settings"
     return "$code"
 }

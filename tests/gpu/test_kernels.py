@@ -16,9 +16,13 @@ N, LOST, INTERVALS = 3, 1, 6
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 
 
-def made(name):
+def built(name):
     options = {"scenario": None, **VOYAGES[name]}
-    envs = ShipVectorEnv(N, autoreset_mode="Disabled", **options)
+    return ShipVectorEnv(N, autoreset_mode="Disabled", **options)
+
+
+def made(name):
+    envs = built(name)
     envs.reset(seed=7)
     return envs.episodes
 
@@ -66,5 +70,7 @@ def test_an_action_that_is_not_finite_is_not_sailed():
 
 def test_batches_of_other_ships_have_other_names(own_versions):
     """Machine code is kept by these names: what no ship has, as a second screw, is left out."""
-    names = [of_one_ship(batch_of(made(name)))[1] for name in ("heading", "calm", "fleet")]
+    names = [
+        of_one_ship(batch_of(built(name).episodes))[1] for name in ("heading", "calm", "fleet")
+    ]
     assert names[0] == names[1] != names[2]
