@@ -27,8 +27,8 @@ Examples:
 HELP
 }
 
-# Share of the lines of modules with kernels that the tests run [%]: 99.1 measured, 10 of 1061 are
-# left; those in tasks/bridge.py are of diverged episodes, tests/envs/test_diverged.py.
+# Share of the lines of modules with kernels that the tests run [%]: 99.8 measured, 4 of 1647 are
+# left: an import error, an outcome without a name on the card, loads there that are not finite.
 KERNEL_LINES=99
 
 slow=yes
