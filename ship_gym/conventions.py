@@ -62,8 +62,8 @@ class Component(NamedTuple):
 
 
 # Rows of the force breakdown; columns are surge X [N], sway Y [N], yaw moment N [N m] at midship.
-# Hull, propeller, rudder, wave drift and wind are of the start of an interval, the disturbance of
-# the middle of its first integration step. Those from outside are held during an integration step.
+# Hull, propeller and rudder are of the start of an interval. Those from outside are held during an
+# integration step: wave drift is its mean over the first step, wind and disturbance of its middle.
 FORCES = (
     Component("hull", "hull", "#1f5a94", False),
     Component("propeller", "propeller", "#2a8f82", False),

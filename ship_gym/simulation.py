@@ -404,7 +404,7 @@ def history_columns(
     Parameters
     ----------
     time, state, command, forces, flow, waves : numpy.ndarray
-        Shapes (T,), (T, 8), (T, 2), (T, N_FORCES, 3), (T, 7) or (T, 19), (T, 9): row k holds the
+        Shapes (T,), (T, 8), (T, 2), (T, N_FORCES, 3), (T, 7) or (T, 19), (T, 10): row k holds the
         state at ``time[k]``, the command given then and the forces, flow and waves at that instant.
 
     Returns

@@ -95,14 +95,5 @@ class Tables(NamedTuple):
     deflected: np.ndarray
 
 
-class Around(NamedTuple):
-    """What is around one ship: its waves (6, N), their groups, its response, its wind table."""
-
-    waves: np.ndarray
-    groups: np.ndarray
-    response: np.ndarray
-    wind: np.ndarray
-
-
 if State._fields != STATE_NAMES or Flow._fields != FLOW_OF_UNITS:
     raise ImportError("State and Flow must be named as conventions.STATE_NAMES, FLOW_OF_UNITS")
