@@ -15,6 +15,7 @@ import os
 import sys
 import time
 import types
+import weakref
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -287,7 +288,9 @@ def bytes_of_arrays(*roots: Any) -> int:
     found, waiting = 0, list(roots)
     while waiting:
         one = waiting.pop()
-        if id(one) in seen or isinstance(one, type | types.ModuleType | str | bytes | int | float):
+        if id(one) in seen or type(one) in weakref.ProxyTypes:  # a proxy's own may be gone
+            continue
+        if isinstance(one, type | types.ModuleType | str | bytes | int | float):
             continue
         seen[id(one)] = one
         if isinstance(one, np.ndarray):

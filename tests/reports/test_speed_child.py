@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import json
+import weakref
 from types import MappingProxyType
 
 import gymnasium as gym
@@ -33,7 +34,7 @@ def test_best_of_prepares_when_due_and_divides_by_items():
 
 
 class Holder:
-    __slots__ = ("array",)
+    __slots__ = ("__weakref__", "array")
 
     def __init__(self, array):
         self.array = array
@@ -51,6 +52,8 @@ def test_each_memory_counts_once():
     loop: list = [np.zeros(2)]
     loop.append(loop)
     assert bytes_of_arrays(loop, np, Holder) == 16
+    gone = Holder(base)
+    assert bytes_of_arrays([weakref.proxy(Holder(base)), gone]) == 800  # what is gone is nothing
 
 
 def test_memory_grows_by_what_each_environment_has():
