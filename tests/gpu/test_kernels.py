@@ -32,7 +32,10 @@ def scratches():
 
 
 # m/s of the ship that is lost; at the second her loads are not finite, and Python's math refuses
-SPEEDS = [(name, 1e4) for name in VOYAGES]
+SPEEDS = [
+    pytest.param(name, 1e4, marks=[pytest.mark.slow] if name in ("course", "track") else [])
+    for name in VOYAGES  # each task is compiled, which is what is slow
+]
 SPEEDS += [pytest.param("heading", 1e200, marks=pytest.mark.compiled)]
 
 
