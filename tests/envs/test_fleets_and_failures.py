@@ -368,6 +368,7 @@ def test_a_choice_is_its_rudder_angle(ship):
     assert env.unwrapped.episodes.sim.commands[0, 0] == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("env_id", IDS)
 def test_check_env_takes_chosen_angles(env_id):
     with warnings.catch_warnings():

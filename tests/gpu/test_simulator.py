@@ -13,7 +13,8 @@ from ship_gym.config import ConfigError
 from tests.gpu.voyages import LOST, LOST_AT, VOYAGES, voyage
 
 pytest.importorskip("torch")
-pytestmark = pytest.mark.compiled  # interpreted, the CPU would be compared with itself
+# interpreted, the CPU would be compared with itself
+pytestmark = [pytest.mark.compiled, pytest.mark.slow]
 ROOT = Path(__file__).resolve().parents[2]
 
 

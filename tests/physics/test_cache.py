@@ -223,6 +223,7 @@ print(total(np.ones(3, sys.argv[1])), len(_kernel.keep_code.__globals__["saved"]
 """
 
 
+@pytest.mark.slow
 @posix
 def test_processes_that_save_at_once_do_not_take_each_others_code(tmp_path):
     """Four types of one function: numba alone gives all of them the file number 1."""

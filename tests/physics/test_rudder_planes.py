@@ -130,6 +130,7 @@ def test_forces_are_continuous_in_the_rudder_angle_and_mirror_each_other(ship):
     np.testing.assert_allclose(there, sign * found[::100], rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_step_sails_with_planes_and_a_table_file_attaches(ship):
     bare = load_ship(ship.name, surrogate="none")
     sailing = attach_surrogate(bare, with_planes(ship, (0.8, 0.9, 1.0)).surrogate, "planes")

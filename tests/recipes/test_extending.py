@@ -73,6 +73,7 @@ def test_a_task_of_the_package_is_one_folder_and_one_scenario(tmp_path):
     assert "Keep the nominal speed" in page and "- `speed_error`: -1 (u / U0 - 1)^2" in page
 
 
+@pytest.mark.slow
 def test_a_sensor_is_two_files_and_no_controller_notices(tmp_path):
     folder = copied(tmp_path)
     code = (
@@ -103,6 +104,7 @@ def test_a_policy_refuses_observations_that_it_was_not_trained_with(tmp_path):
     assert "policy ppo_kcs: trained on 'heading_keeping' with 9 observations" in told
 
 
+@pytest.mark.slow
 def test_a_reward_term_is_one_file(tmp_path):
     folder = copied(tmp_path)
     assert apply("A reward term", folder) == {"ship_gym/tasks/rewards.py"}

@@ -96,6 +96,7 @@ def test_sections_are_checked_as_strictly_as_the_package_s(task):
         gym.make(ID, overrides={"track.legs": 1})
 
 
+@pytest.mark.slow
 def test_without_metrics_it_is_told_and_never_judged_as_another_task(task):
     bare = dataclasses.replace(task, name="bare_rate", metrics={}, measure=None, headline="return")
     ship_gym.register_task(bare)
@@ -139,6 +140,7 @@ def test_what_is_no_task_is_refused():
         ship_gym.register_task(3)
 
 
+@pytest.mark.slow
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     ("changes", "words"),
@@ -166,6 +168,7 @@ def test_names_that_the_kernels_do_not_write_are_refused_before_anything_is_sail
         gym.make("ShipGym/OddRate-v0").reset(seed=0)
 
 
+@pytest.mark.slow
 @pytest.mark.compiled
 def test_an_outcome_without_a_name_is_refused(task):
     ship_gym.register_task(dataclasses.replace(task, name="nameless_rate", outcomes=()))

@@ -127,6 +127,7 @@ def test_ship_without_wave_table_is_measured_in_calm_water(monkeypatch):
     }
 
 
+@pytest.mark.slow
 def test_two_checkouts_in_turns():
     found = speed_against.against(
         speed_against.HERE, ["CartPole vector", "memory"], n=64, rounds=2, seconds=0.001
