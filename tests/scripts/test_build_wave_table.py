@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 import json
-import runpy
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -18,29 +17,16 @@ from ship_gym.seakeeping.database import Grid
 from ship_gym.seakeeping.hull_form import parametric_mesh
 from ship_gym.ships.files import DATA
 
-SCRIPTS = Path(__file__).parents[2] / "scripts"
 NAME = "build_wave_table.py"
 SHIPPED = DATA / "kcs_model" / "waves.npz"
 TINY = Grid((0.0, 0.15, 0.26, 0.30), 3, 2, longest=2.0, shortest=0.5, encounter=3)
 
 
 @pytest.fixture
-def call(monkeypatch, tmp_path, capsys):
-    """Run the script in this process, in an empty folder; gives exit code, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(str(SCRIPTS))
+def call(call, monkeypatch):
+    """Run the script on a tiny grid; gives exit code, stdout and stderr."""
     monkeypatch.setattr(database, "QUICK", TINY)
-
-    def run(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", [NAME, *arguments])
-        code = 0
-        try:
-            runpy.run_path(str(SCRIPTS / NAME), run_name="__main__")
-        except SystemExit as end:
-            code = end.code or 0
-        return code, *capsys.readouterr()
-
-    return run
+    return functools.partial(call, NAME)
 
 
 @pytest.fixture

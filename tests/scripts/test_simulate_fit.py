@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import runpy
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -18,26 +16,7 @@ from ship_gym.ships.loader import attach_surrogate, load_ship
 from ship_gym.surrogates.samples import KCS
 from ship_gym.tables import Table
 
-SCRIPTS = Path(__file__).parents[2] / "scripts"
 PNG = b"\x89PNG"
-
-
-@pytest.fixture
-def call(monkeypatch, tmp_path, capsys):
-    """Run a script in this process, in an empty folder; gives exit code, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(str(SCRIPTS))
-
-    def run(script: str, *arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", [script, *arguments])
-        code = 0
-        try:
-            runpy.run_path(str(SCRIPTS / script), run_name="__main__")
-        except SystemExit as end:
-            code = end.code or 0
-        return code, *capsys.readouterr()
-
-    return run
 
 
 @pytest.mark.parametrize("script", ["simulate.py", "fit_surrogate.py"])

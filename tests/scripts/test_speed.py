@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import runpy
-import sys
 from pathlib import Path
 
 import pytest
@@ -13,24 +11,6 @@ from ship_gym.reports import speed, speed_against, speed_check, speed_peers
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 TIMES = {"seconds": 1e-3, "processor": 1e-3, "wall": 2e-3, "spread_percent": 3.0}
-
-
-@pytest.fixture
-def call(monkeypatch, tmp_path, capsys):
-    """Run a script in this process, in an empty folder; gives exit code, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(str(SCRIPTS))
-
-    def run(script: str, *arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", [script, *arguments])
-        code = 0
-        try:
-            runpy.run_path(str(SCRIPTS / script), run_name="__main__")
-        except SystemExit as end:
-            code = end.code or 0
-        return code, *capsys.readouterr()
-
-    return run
 
 
 @pytest.fixture
