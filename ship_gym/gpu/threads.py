@@ -19,6 +19,7 @@ from ship_gym.gpu.card import simulated
 from ship_gym.gpu.kernels import RUNNING, Batch, interval_of_one
 from ship_gym.gpu.rows import of_one_ship
 from ship_gym.physics import _kernel
+from ship_gym.physics.quantities import record_type
 from ship_gym.physics.scratch import LANES, SCRATCH
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ def one_lane(scratch: np.dtype) -> np.dtype:
     for name in scratch.names:
         kind, shape = scratch[name].subdtype
         fields.append((name, kind, (*shape[:-1], 1) if shape[-1] == LANES else shape))
-    return np.dtype((np.record, np.dtype(fields, align=True)))
+    return record_type(fields)
 
 
 LANE = one_lane(SCRATCH)

@@ -12,6 +12,11 @@ import numpy as np
 from ship_gym.conventions import FLOW_OF_UNITS, STATE_NAMES
 
 
+def record_type(fields: list) -> np.dtype:
+    """Type of a record of named fields; aligned, or a graphics card would read byte by byte."""
+    return np.dtype((np.record, np.dtype(fields, align=True)))
+
+
 class Motion(NamedTuple):
     """Velocities through the water at midship: u, v [m/s], r [rad/s]."""
 

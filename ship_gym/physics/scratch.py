@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from ship_gym.physics.parameters import N_PARAMETERS
+from ship_gym.physics.quantities import record_type
 
 LANES = 64
-EIGHT, NONE = np.uint64(8), np.uint64(0)  # waves side by side in a sum; see waves.sum_waves
+EIGHT = np.uint64(8)  # waves side by side in a sum; see waves.sum_waves
 N_SUMS = 21  # waves.Sums
 N_GUSTS = 20
 GUST_COLUMNS = 24  # filled up to three eights, see wind.gust_factor
@@ -33,15 +34,9 @@ _FIELDS = [
     ("gust", (GUST_COLUMNS,)),
     ("wave", (N_SUMS, int(EIGHT))),  # waves.sum_waves
 ]
-SCRATCH = np.dtype(
-    (
-        np.record,
-        np.dtype(
-            [(name, np.float64, shape) for name, shape in _FIELDS]
-            + [("kind", np.int64, (LANES,)), ("steps", np.int64, (LANES,))],
-            align=True,
-        ),
-    )
+SCRATCH = record_type(
+    [(name, np.float64, shape) for name, shape in _FIELDS]
+    + [("kind", np.int64, (LANES,)), ("steps", np.int64, (LANES,))]
 )
 
 LINE = 64  # bytes of a cache line; a vector that lies across two is read twice

@@ -21,6 +21,7 @@ import numpy as np
 from ship_gym.physics._kernel import kernel, loop
 from ship_gym.physics.angles import cos_sin, cos_sin_of_turns, wrapped
 from ship_gym.physics.interpolate import cell
+from ship_gym.physics.quantities import record_type
 from ship_gym.physics.scratch import EIGHT, N_SUMS
 
 # Rows of the waves of a sea: amplitude [m], frequency [rad/s], wave number [1/m]; of those of one
@@ -31,7 +32,7 @@ DRIFT_X, DRIFT_Y, DRIFT_N, SWAY, SWAY_, ROLL, ROLL_, YAW, YAW_ = range(9)
 
 
 # Response to eight waves, channel by channel
-EIGHT_WAVES = np.dtype((np.record, np.dtype([("of", np.float64, (9, int(EIGHT)))], align=True)))
+EIGHT_WAVES = record_type([("of", np.float64, (9, int(EIGHT)))])
 
 
 class Waves(NamedTuple):

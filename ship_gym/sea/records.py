@@ -21,6 +21,7 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.conventions import G
 from ship_gym.physics.disturbance import draw_disturbance
+from ship_gym.physics.quantities import record_type
 from ship_gym.physics.scratch import GUST_COLUMNS, N_GUSTS, in_lines
 from ship_gym.physics.step import Water
 from ship_gym.physics.waves import EIGHT_WAVES, Waves
@@ -41,46 +42,40 @@ N_HARMONICS = 16
 N_DISTURBANCE = 2 * N_HARMONICS  # phases of sway force and yaw moment
 _FIRST = 0.4  # omega_1 T: 90 % of the spectrum's variance lies below the last harmonic
 
-SEA_DTYPE = np.dtype(
-    (
-        np.record,
-        np.dtype(
-            [
-                # what every step reads stands together, in the first cache lines
-                ("V_north", np.float64),  # current now, and its mean and slow variation
-                ("V_east", np.float64),
-                ("disturbed", np.int64),
-                ("wavy", np.int64),
-                ("windy", np.int64),
-                ("variation", np.float64),
-                ("response", np.int64),
-                ("wind_table", np.int64),
-                ("omega_1", np.float64),
-                ("Y_std", np.float64),
-                ("N_std", np.float64),
-                ("mean_north", np.float64),
-                ("mean_east", np.float64),
-                ("variation_omega", np.float64),
-                ("variation_phase", np.float64),
-                ("drift", np.float64),  # 1 with drift, 0 without
-                ("mean_drift", np.int64),
-                ("speed_step", np.float64),  # of the response table, and its largest [m/s]
-                ("speed_max", np.float64),
-                ("waves_outside", np.float64),  # share of the waves' energy outside the table
-                ("A_F", np.float64),  # areas and length that the wind sees [m2], [m]
-                ("A_L", np.float64),
-                ("L_oa", np.float64),
-                ("wind_north", np.float64),  # mean wind velocity [m/s]
-                ("wind_east", np.float64),
-                ("gust_scale", np.float64),  # of the shares of the gusts' harmonics
-                ("wave_share", np.float64),  # height of the waves by that of their components
-                ("wave_to", np.float64),  # where they go to, from north [rad],
-                ("wave_north", np.float64),  # and its cosine and sine: set_direction
-                ("wave_east", np.float64),
-            ],
-            align=True,
-        ),
-    )
+SEA_DTYPE = record_type(
+    [
+        # what every step reads stands together, in the first cache lines
+        ("V_north", np.float64),  # current now, and its mean and slow variation
+        ("V_east", np.float64),
+        ("disturbed", np.int64),
+        ("wavy", np.int64),
+        ("windy", np.int64),
+        ("variation", np.float64),
+        ("response", np.int64),
+        ("wind_table", np.int64),
+        ("omega_1", np.float64),
+        ("Y_std", np.float64),
+        ("N_std", np.float64),
+        ("mean_north", np.float64),
+        ("mean_east", np.float64),
+        ("variation_omega", np.float64),
+        ("variation_phase", np.float64),
+        ("drift", np.float64),  # 1 with drift, 0 without
+        ("mean_drift", np.int64),
+        ("speed_step", np.float64),  # of the response table, and its largest [m/s]
+        ("speed_max", np.float64),
+        ("waves_outside", np.float64),  # share of the waves' energy outside the table
+        ("A_F", np.float64),  # areas and length that the wind sees [m2], [m]
+        ("A_L", np.float64),
+        ("L_oa", np.float64),
+        ("wind_north", np.float64),  # mean wind velocity [m/s]
+        ("wind_east", np.float64),
+        ("gust_scale", np.float64),  # of the shares of the gusts' harmonics
+        ("wave_share", np.float64),  # height of the waves by that of their components
+        ("wave_to", np.float64),  # where they go to, from north [rad],
+        ("wave_north", np.float64),  # and its cosine and sine: set_direction
+        ("wave_east", np.float64),
+    ]
 )
 
 

@@ -16,7 +16,6 @@ from ship_gym.ships.files import Named, available_ships
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 
-N_RESPONSE = 9  # channels of `wave_response`
 SPEED_STEP = 0.05  # of the Froude number
 _SAME_HULL = 0.02  # of B / L and d / L: rounding of printed particulars
 

@@ -1,4 +1,4 @@
-"""Ships as numpy records, the form the kernels read; the dtype comes from the dataclasses."""
+"""Ships as numpy records, the form the kernels read; fields are those of `SECTIONS`."""
 
 from __future__ import annotations
 
@@ -11,31 +11,12 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.physics.parameters import SECTIONS
-from ship_gym.ships.particulars import (
-    Engine,
-    Hull,
-    Inertia,
-    OpenWater,
-    Propeller,
-    Rudder,
-    Ship,
-    SteeringGear,
-    Surrogate,
-)
+from ship_gym.physics.quantities import record_type
+from ship_gym.ships.particulars import OpenWater, Ship, Surrogate
 from ship_gym.tables import Table
 
 T = TypeVar("T", bound=Hashable)
 
-_SOURCES = {
-    "hull": Hull,
-    "propeller": Propeller,
-    "rudder": Rudder,
-    "gear": SteeringGear,
-    "engine": Engine,
-    "inertia": Inertia,
-    "open_water": OpenWater,
-    "surrogate": Surrogate,
-}
 # thrust, torque, side force (to port), rudder normal and chordwise force, weight; then the standard
 # deviations of the first five
 STD_CHANNELS = ("C_T_std", "C_Q_std", "C_S_std", "C_N_std", "C_A_std")
@@ -47,19 +28,13 @@ def surrogate_names(units: int) -> tuple[str, ...]:
     return CHANNELS if units == 1 else (*CHANNELS, *(f"{name} windward" for name in CHANNELS))
 
 
-def _aligned(fields: list) -> np.dtype:
-    return np.dtype((np.record, np.dtype(fields, align=True)))
-
-
-SHIP_DTYPE = _aligned(
+SHIP_DTYPE = record_type(
     [("rho", np.float64), ("kind", np.int64)]
     + [
-        (name, _aligned([(field, np.float64) for field in part._fields]))
+        (name, record_type([(field, np.float64) for field in part._fields]))
         for name, part in SECTIONS.items()
     ]
 )
-if set(SECTIONS) != set(_SOURCES):
-    raise ImportError(f"parameters.SECTIONS and the dataclasses of a ship differ: {set(_SOURCES)}")
 
 
 def surrogate_section(table: Table | None) -> Surrogate:
@@ -193,9 +168,9 @@ def _fill(record: np.record, ship: Ship, kind: int) -> None:
         "surrogate": surrogate_section(ship.surrogate),
     }
     record["rho"], record["kind"] = ship.rho, kind
-    for name, part in parts.items():
-        for field in SECTIONS[name]._fields:
-            record[name][field] = getattr(part, field)
+    for name, section in SECTIONS.items():
+        for field in section._fields:
+            record[name][field] = getattr(parts[name], field)
 
 
 def _stacked(tables: list[np.ndarray], name: str) -> np.ndarray:
