@@ -90,7 +90,7 @@ def test_nothing_winds_up_while_the_rudder_is_hard_over(kind):
 @everyone
 @pytest.mark.parametrize("ship", ["kcs", "kvlcc2", "onrt", "kcs_model"])
 def test_first_gains_hold_the_course(kind, ship):
-    """Without tuning, each ship in the sea of HeadingKeeping: no failure, error small at the end."""
+    """Without tuning, in the sea of HeadingKeeping: no failure, a small error at the end."""
     made = EVERYONE[kind](EVERYONE[kind].first_gains(load_ship(ship)))
     sailed = rollout(made, seeds=tuning_seeds(4), ship=ship, parallel=False)
     late = [t["psi_error"][300:] for t in sailed.episodes]
