@@ -14,6 +14,7 @@ from ship_gym.config import ConfigError, check_known
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym_agents.los import ILOS, LOSPID
 from ship_gym_agents.lqg import LQG
+from ship_gym_agents.mpc import MPC
 from ship_gym_agents.pid import PID, load_gains
 from ship_gym_agents.plugins import is_own, own_controller
 
@@ -23,6 +24,7 @@ CONTROLLERS: dict[str, Callable[[], Controller]] = {
     "los_pid": LOSPID,
     "ilos": ILOS,
     "lqg": LQG,
+    "mpc": MPC,
 }
 PRETRAINED = Path(__file__).parent / "pretrained"
 

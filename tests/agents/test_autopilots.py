@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from ship_gym_agents.controllers import make_controller
 from ship_gym_agents.lqg import LQG
+from ship_gym_agents.mpc import MPC
 
 from ship_gym import load_scenario, load_ship
 from ship_gym.conventions import PSI
 from ship_gym.evaluation.rollout import rollout, tuning_seeds
 
-EVERYONE = {"lqg": LQG}
+EVERYONE = {"lqg": LQG, "mpc": MPC}
 everyone = pytest.mark.parametrize("kind", EVERYONE)
 # sin and cos of the heading error, yaw rate, surge, sway, rudder, propeller and commands
 MIRROR = np.array([-1, 1, -1, 1, -1, -1, 1, -1, 1])
@@ -40,7 +41,10 @@ def test_mirrored_observations_give_mirrored_actions(kind):
     for k in range(20):
         seen = observations(16, seed=k)
         ours, theirs = here.act(seen), -there.act(seen * MIRROR.astype(np.float32))
-        assert np.array_equal(ours, theirs) or ours == pytest.approx(theirs, abs=1e-12)
+        if kind == "mpc":  # by iteration, to 1e-6 of the largest stroke in an interval
+            assert ours == pytest.approx(theirs, abs=1e-7)
+        else:
+            assert np.array_equal(ours, theirs)
 
 
 @everyone
