@@ -12,6 +12,8 @@ from typing import Any
 
 from ship_gym.config import ConfigError, check_known
 from ship_gym.evaluation.controller import ConstantController, Controller
+from ship_gym_agents.adaptive import Adaptive
+from ship_gym_agents.bang_bang import BangBang
 from ship_gym_agents.los import ILOS, LOSPID
 from ship_gym_agents.lqg import LQG
 from ship_gym_agents.mpc import MPC
@@ -23,6 +25,8 @@ CONTROLLERS: dict[str, Callable[[], Controller]] = {
     "pid": PID,
     "los_pid": LOSPID,
     "ilos": ILOS,
+    "adaptive": Adaptive,
+    "bang_bang": BangBang,
     "lqg": LQG,
     "mpc": MPC,
 }
