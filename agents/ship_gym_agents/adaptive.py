@@ -23,12 +23,13 @@ from ship_gym.simulation import self_propulsion
 from ship_gym.tasks.columns import View
 from ship_gym_agents.gains_files import find_gains
 from ship_gym_agents.pid import PID, Gains, gains_of
-from ship_gym_agents.wave_filter import Observer, check_gains
+from ship_gym_agents.wave_filter import check_gains
 
 _SPEEDS = np.array([0.3, 0.5, 0.7, 0.85, 1.0, 1.2])  # through the water, by U0
 _TURNS = np.array([0.2, 0.5, 0.75, 1.0, 1.25])  # propeller speeds, by self-propulsion at U0
 _EFFECT = (0.25, 2.5)  # of the rudder, by the nominal: beyond, no schedule is meant
 _BOUNDS = (0.5, 2.0)  # of the estimated a and k, by the nominal
+_HELMSMAN = ("K_p", "K_d", "K_v", "K_b")
 _SMOOTH = 1.0  # time constant of the speed through the water [L / U0]
 
 
@@ -77,10 +78,7 @@ class Adaptive(PID):
     KIND = "adaptive"
     needs = (*PID.needs, "surge", "propeller")
     TUNED: ClassVar = {
-        "pid.K_p": (0.2, 20.0, 3.0),
-        "pid.K_d": (-3.0, 10.0, 1.5),
-        "pid.K_v": (-12.0, 6.0, -2.0),
-        "pid.K_b": (-0.5, 2.0, 0.8),
+        **{f"pid.{name}": (*PID.TUNED[name][:2], None) for name in _HELMSMAN},
         "schedule": (0.0, 1.5, 1.0),
         "learning": (0.0, 1.5, 1.0),
         "memory": (5.0, 200.0, 30.0),
@@ -93,12 +91,24 @@ class Adaptive(PID):
 
     @classmethod
     def first_gains(cls, ship: Ship) -> AdaptiveGains:
-        """Those of the tuned PID of the ship, or where its tuning begins on the linear ship."""
-        if find_gains(ship.name, "pid") is not None and gains_of(ship).observer is not None:
-            return AdaptiveGains(gains_of(ship))
-        return AdaptiveGains(
-            Gains(K_p=3.0, K_d=1.5, K_v=-2.0, K_b=0.8, observer=Observer.first(ship))
-        )
+        """Those of the tuned PID of the ship, or those that its tuning begins at."""
+        tuned = PID.first_gains(ship) if find_gains(ship.name) is None else gains_of(ship)
+        return AdaptiveGains(tuned if tuned.observer is not None else PID.first_gains(ship))
+
+    @classmethod
+    def gains_for(cls, ship: Ship) -> AdaptiveGains:
+        """The tuned gains of a ship, else those that tuning would begin at."""
+        return super(PID, cls).gains_for(ship)
+
+    @classmethod
+    def structures(cls, ship: Ship) -> dict[str, tuple[AdaptiveGains, tuple[str, ...]]]:
+        """Scheduled only, then with the estimate too."""
+        first = cls.first_gains(ship)
+        scheduled = (*(f"pid.{name}" for name in _HELMSMAN), "schedule")
+        return {
+            "schedule": (dataclasses.replace(first, learning=0.0), scheduled),
+            "schedule and estimate": (first, tuple(cls.TUNED)),
+        }
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
         """Begin as the nominal ship; `count` episodes of `scenario` with `ship` begin together."""

@@ -96,16 +96,19 @@ class Autopilot:
         """What stands beside results: kind of controller and where its gains are from."""
         return {"kind": "classical", "gains": self._source}
 
+    @classmethod
+    def gains_for(cls, ship: Ship) -> Any:
+        """The tuned gains of a ship, else those that tuning would begin at."""
+        path = find_gains(ship.name, cls.KIND)
+        return cls.first_gains(ship) if path is None else load_gains(path, cls).gains
+
     def _gains_for(self, ship: Ship) -> Any:
         if self.gains is not None:
             self._source = "given"
             return self.gains
         path = find_gains(ship.name, self.KIND)
-        if path is None:
-            self._source = "first gains, not tuned"
-            return self.first_gains(ship)
-        self._source = path.name
-        return load_gains(path, type(self)).gains
+        self._source = "first gains, not tuned" if path is None else path.name
+        return self.gains_for(ship)
 
     def _felt(self, seen: View, delta: np.ndarray) -> np.ndarray:
         """Rudder angle [rad] as the observer's ship would feel that achieved, shape (count,)."""

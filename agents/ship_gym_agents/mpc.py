@@ -20,7 +20,6 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.columns import View
 from ship_gym_agents.autopilot import Autopilot, wrapped
 from ship_gym_agents.horizon import Horizon
-from ship_gym_agents.reference import Reference
 from ship_gym_agents.route_preview import Current, Path, drift_angle
 from ship_gym_agents.wave_filter import Observer, check_gains
 
@@ -37,6 +36,31 @@ _SOLVER = {
 
 
 @dataclasses.dataclass(frozen=True)
+class TrackWeights:
+    """What a plan on a track is made with; numbers, or arrays of shape (count,).
+
+    Attributes
+    ----------
+    cross_track, rudder, rate : float
+        Weights of the squares of the cross-track error in L, of the rudder angle beyond K_b times
+        the bias and of d delta / dt', over that of the course error.
+    turn_radius : float
+        Of the turns into the next leg [L].
+    drift_time : float
+        Time constant of the estimated current [L / U0].
+    """
+
+    cross_track: float = 0.3
+    rudder: float = 0.1
+    rate: float = 2e-5
+    turn_radius: float = 2.5
+    drift_time: float = 3.0
+
+    def __post_init__(self):
+        check_gains("gains.track", self, positive=[f.name for f in dataclasses.fields(self)])
+
+
+@dataclasses.dataclass(frozen=True)
 class MPCGains:
     """Weights of the plan and its filter; numbers, or arrays of shape (count,).
 
@@ -45,39 +69,29 @@ class MPCGains:
     observer : Observer
         Its ship is the plan's too.
     rudder, rate : float
-        Weights of the squares of the rudder angle beyond K_b times the bias, and of
-        d delta / dt'.
+        On a heading: weights of the squares of the rudder angle beyond K_b times the bias and of
+        d delta / dt', over that of the heading error.
     K_b : float
         Share of the estimated rudder bias that the plan counts on.
-    cross_track : float
-        On a track: weight of the square of the cross-track error in L.
-    turn_radius : float
-        Of the turns into the next leg [L].
-    drift_time : float
-        Time constant of the estimated current [L / U0].
+    track : TrackWeights
     """
 
     observer: Observer
     rudder: float = 0.1
     rate: float = 2e-5
     K_b: float = 0.8
-    cross_track: float = 0.3
-    turn_radius: float = 2.5
-    drift_time: float = 3.0
+    track: TrackWeights = dataclasses.field(default_factory=TrackWeights)
+
+    # the plan is its own reference model
+    reference: ClassVar = None
 
     def __post_init__(self):
-        positive = ("rudder", "rate", "cross_track", "turn_radius", "drift_time")
-        check_gains("gains", self, signed=("K_b",), positive=positive)
+        check_gains("gains", self, signed=("K_b",), positive=("rudder", "rate"))
 
     @property
     def wave_filter(self) -> Observer:
         """The filter of the motion."""
         return self.observer
-
-    @property
-    def reference(self) -> Reference | None:
-        """No reference model: the plan is one."""
-        return None
 
 
 class MPC(Autopilot):
@@ -100,9 +114,11 @@ class MPC(Autopilot):
         "observer.sway_noise": (0.02, 20.0, 0.5),
         "observer.yaw_noise": (0.05, 50.0, 2.0),
         "observer.bias_noise": (0.02, 20.0, 0.8),
-        "cross_track": (0.01, 30.0, 0.3),
-        "turn_radius": (0.5, 8.0, 2.5),
-        "drift_time": (0.3, 30.0, 3.0),
+        "track.cross_track": (0.01, 30.0, 0.3),
+        "track.rudder": (0.01, 2.0, 0.1),
+        "track.rate": (1e-6, 1e-2, 2e-5),
+        "track.turn_radius": (0.5, 8.0, 2.5),
+        "track.drift_time": (0.3, 30.0, 3.0),
     }
 
     def __init__(self, gains: MPCGains | None = None, name: str = "mpc"):
@@ -112,6 +128,16 @@ class MPC(Autopilot):
     def first_gains(cls, ship: Ship) -> MPCGains:
         """Weights of J_0.1, a filter with waves on the linearised ship."""
         return MPCGains(Observer.first(ship, waves=True))
+
+    @classmethod
+    def structures(cls, ship: Ship) -> dict[str, tuple[MPCGains, tuple[str, ...]]]:
+        """Gains of headings, to tune on one, and of tracks, to tune on one after that."""
+        gains = cls.gains_for(ship)
+        track = tuple(name for name in cls.TUNED if name.startswith("track."))
+        return {
+            "heading": (gains, tuple(name for name in cls.TUNED if name not in track)),
+            "track": (gains, track),
+        }
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
         """Make the programs; `count` episodes of `scenario` with `ship` begin together.
@@ -127,12 +153,12 @@ class MPC(Autopilot):
         self._on_track = "cross_track" in self._columns
         if self._on_track:
             self._columns.require(_TRACK, f"controller {self.name} on a track")
-        g = self._g
-        names = ("rudder", "rate", "cross_track")
-        rows = [np.broadcast_to(np.ravel(getattr(g, name)), count) for name in names]
+        g, track = self._g, self._g.track
+        weights = (track.rudder, track.rate) if self._on_track else (g.rudder, g.rate)
+        rows = [np.broadcast_to(np.ravel(w), count) for w in (*weights, track.cross_track)]
         made: dict[tuple[float, ...], Horizon] = {}
         self._programs = [self._program(made, row) for row in zip(*rows, strict=True)]
-        self._current = Current(count, self._step, g.drift_time)
+        self._current = Current(count, self._step, track.drift_time)
         self._surge, self._jump = None, np.zeros(count)
 
     def _program(self, made: dict, weights: tuple[float, ...]) -> Program:
@@ -176,7 +202,7 @@ class MPC(Autopilot):
             self._surge = np.array(seen.surge)
         self._surge = self._surge + self._current.share * (seen.surge - self._surge)
         self._current(seen, psi, self._jump)
-        path = Path(seen, self._g.turn_radius)
+        path = Path(seen, self._g.track.turn_radius)
         N = self._programs[0].horizon.N
         along = np.maximum(self._surge + self._current.along, 0.1)
         ahead = along[:, None] * (self._step * np.arange(N + 1))

@@ -10,6 +10,8 @@ import numpy as np
 from ship_gym.tasks.columns import View
 
 _SLOWEST = 0.2  # speed through the water by U0 below which the drift angle is no longer meant
+_FASTEST = 2.5  # along a leg over ground by U0; more is a new leg
+_FARTHEST, _BEHIND = 49.0, -4.5  # distances to go that the observation does not cut off yet
 _LARGEST_DRIFT = 0.8  # current and leeway by the speed through the water
 
 
@@ -45,7 +47,8 @@ class Current:
         if self._to_go is not None:
             made = (self._to_go - seen.to_go) / self._step
             seen_along = made - (seen.surge * c - seen.sway * s)
-            same = (jump == 0.0) & (np.abs(made) < 3.0)  # as a leg ends, to_go jumps
+            same = (jump == 0.0) & (np.abs(made) < _FASTEST)
+            same &= (seen.to_go < _FARTHEST) & (seen.to_go > _BEHIND)
             self.along = along + np.where(same, share * (seen_along - along), 0.0)
         self._to_go = np.array(seen.to_go)
 

@@ -7,8 +7,10 @@ import pytest
 from ship_gym_agents.adaptive import Adaptive
 from ship_gym_agents.bang_bang import BangBang
 from ship_gym_agents.controllers import make_controller
+from ship_gym_agents.gains_files import gains_type
 from ship_gym_agents.lqg import LQG
 from ship_gym_agents.mpc import MPC
+from ship_gym_agents.tuning.ranges import ranges_of, with_leaves
 
 from ship_gym import load_scenario, load_ship
 from ship_gym.conventions import PSI
@@ -128,5 +130,7 @@ def test_they_are_found_by_name_and_say_what_they_are(kind):
     made.reset(1, load_ship("kcs"), load_scenario())
     assert made.name == kind and made.KIND == kind
     assert made.about()["kind"] == "classical"
-    for low, high, start in made.TUNED.values():
-        assert low <= start <= high
+    gains = made.first_gains(load_ship("kcs"))
+    assert isinstance(gains, gains_type(EVERYONE[kind]))
+    ranges = ranges_of(EVERYONE[kind], gains, tuple(made.TUNED))  # refuses a start outside
+    assert with_leaves(gains, {name: r.start for name, r in ranges.items()}) is not None

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from ship_gym_agents.horizon import Horizon, block_lengths
 from ship_gym_agents.lqg import regulator
-from ship_gym_agents.mpc import MPC, MPCGains, Program
+from ship_gym_agents.mpc import MPC, MPCGains, Program, TrackWeights
 from ship_gym_agents.wave_filter import LinearShip, Observer
 
 from ship_gym import load_scenario, load_ship
@@ -111,5 +111,7 @@ def test_without_osqp_the_extra_is_named(monkeypatch):
 
 
 def test_wrong_gains_are_refused():
-    with pytest.raises(ConfigError, match=r"gains.cross_track = 0.0: must be positive"):
-        MPCGains(GAINS.observer, cross_track=0.0)
+    with pytest.raises(ConfigError, match=r"gains.track.cross_track = 0.0: must be positive"):
+        TrackWeights(cross_track=0.0)
+    with pytest.raises(ConfigError, match=r"gains.rate = -1"):
+        MPCGains(GAINS.observer, rate=-1.0)
