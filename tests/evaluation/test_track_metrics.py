@@ -137,6 +137,21 @@ def test_metrics_of_a_track(sailed):
         assert len(t.meta["waypoints"]) == 6 and t["leg"][-1] == 4
 
 
+def test_metric_and_kernel_agree_on_the_corridor():
+    """In the narrow one some of these voyages leave it, some do not."""
+    sailed = rollout(ILOS(), "track_corridor", seeds=range(12))
+    kept = set()
+    for i in range(12):
+        t = sailed.trajectory(i)
+        found, outcome = metrics(t), t.meta["outcome"]
+        assert outcome in ("arrived", "arrived, corridor left", "missed the end")
+        assert found["success"] == (outcome == "arrived")
+        if outcome != "missed the end":
+            assert (found["corridor"] == 1.0) == (found["max_route"] <= 0.5) == found["success"]
+            kept.add(found["success"])
+    assert kept == {0.0, 1.0}
+
+
 def test_a_voyage_that_failed_is_judged_to_the_end(sailed):
     t = sailed.trajectory(0)
     lost = Trajectory(t.columns, t.meta | {"failed": True, "outcome": "cross-track limit"})
