@@ -56,7 +56,7 @@ class LOSPID(PID):
 
     @classmethod
     def first_gains(cls, ship: Ship) -> Gains:
-        """The tuned gains of the heading autopilot, with a reference model and moderate guidance."""
+        """Tuned gains of the heading autopilot, with a reference model and moderate guidance."""
         gains = gains_of(ship)
         return dataclasses.replace(gains, reference=gains.reference or _TURNS, guidance=Guidance())
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from ship_gym_agents.drift_los import DriftLOS
 from ship_gym_agents.los import ILOS, LOSPID
 from ship_gym_agents.pid import Gains
 from ship_gym_agents.reference import Guidance
@@ -56,8 +57,9 @@ def sail(controller, points, current=(0.0, 0.0), T=1500, start=(0.0, 0.0), accep
         seen[0, :6] = math.sin(e), math.cos(e), r, 1.0, 0.0, delta / limit
         turn = bearing[leg + 1] - bearing[leg] if leg < len(legs) - 1 else 0.0
         turn = (turn + math.pi) % (2.0 * math.pi) - math.pi
-        to_go = np.clip(c * ahead[0] + s * ahead[1], 0.0, 20.0)
+        to_go = np.clip(c * ahead[0] + s * ahead[1], -5.0, 50.0)
         seen[0, 9], seen[0, 11], seen[0, 12] = np.clip(cross, -10.0, 10.0), to_go, turn / math.pi
+        seen[0, 10] = math.sin(e) - s * current[0] + c * current[1]
         wanted = limit * float(controller.act(seen)[0, 0])
         delta += np.clip(wanted - delta, -rate, rate)
         r += step * (K * delta - r) / T_NOMOTO
@@ -88,6 +90,14 @@ def test_wheel_over_is_where_the_circle_leaves_the_leg():
     assert wanted_deg(los, on_leg(to_go=0.0)) == 0.0  # no way-point behind the last leg
 
 
+def test_reach_orders_the_turn_earlier():
+    guidance = Guidance(turn_radius=2.0, reach=0.5)
+    los = started(LOSPID(Gains(1.0, 1.0, guidance=guidance)))
+    reach = 2.0 * math.tan(math.radians(30.0)) + 0.5
+    assert wanted_deg(los, on_leg(to_go=reach + 0.01, next_turn_deg=60.0)) == 0.0
+    assert wanted_deg(los, on_leg(to_go=reach - 0.01, next_turn_deg=60.0)) > 20.0
+
+
 def test_a_leg_switch_changes_nothing_by_itself():
     """Wanted heading in earth axes, just before and after the environment names the next leg."""
     los = started(LOSPID(Gains(1.0, 1.0, guidance=Guidance(turn_radius=3.0))))
@@ -97,7 +107,7 @@ def test_a_leg_switch_changes_nothing_by_itself():
     assert wanted_deg(los, on_leg(cross=cross)) + 40.0 == pytest.approx(before)
 
 
-@pytest.mark.parametrize(("law", "past"), [(LOSPID, 0.25), (ILOS, 0.75)])
+@pytest.mark.parametrize(("law", "past"), [(LOSPID, 0.25), (ILOS, 0.75), (DriftLOS, 0.25)])
 def test_converges_to_a_leg_from_aside(law, past):
     """From 3 L aside; the integral costs some overshoot."""
     cross = sail(law(GAINS), [(0, 0), (60, 0)], start=(0.0, 3.0))[:, 3]
@@ -128,11 +138,14 @@ def test_wheel_over_keeps_the_ship_nearer_to_the_track():
 
 def test_ilos_removes_the_offset_of_a_current():
     points, current = [(0, 0), (80, 0)], (0.0, 0.15)
-    los, ilos = (sail(c(GAINS), points, current, T=2000)[:, 3] for c in (LOSPID, ILOS))
+    laws = LOSPID, ILOS, DriftLOS
+    los, ilos, drift_los = (sail(c(GAINS), points, current, T=2000)[:, 3] for c in laws)
     # LOS alone: the offset at which the crab angle is atan(e / look_ahead)
     expected = 2.5 * math.tan(math.asin(0.15))
     assert los[-1] == pytest.approx(expected, rel=0.02)
     assert abs(ilos[-1]) < 0.02
+    # the drift is known before the ship is set aside
+    assert abs(drift_los[-1]) < 0.02 and np.std(drift_los) < 0.5 * np.std(ilos)
 
 
 def test_ilos_integral_by_hand_and_at_a_new_leg():
@@ -146,9 +159,10 @@ def test_ilos_integral_by_hand_and_at_a_new_leg():
     assert abs(ilos._drift[0]) < 1e-12  # a current across the old leg is along the new one
 
 
-def test_mirrored_tracks_give_mirrored_ways():
+@pytest.mark.parametrize("law", [ILOS, DriftLOS])
+def test_mirrored_tracks_give_mirrored_ways(law):
     points = np.array([(0, 0), (12, 0), (20, 8), (40, 8)])
-    port, starboard = (sail(ILOS(GAINS), points * (1, s), (0.02, 0.05 * s), T=900) for s in (-1, 1))
+    port, starboard = (sail(law(GAINS), points * (1, s), (0.02, 0.05 * s), T=900) for s in (-1, 1))
     assert port[:, 1] == pytest.approx(-starboard[:, 1], abs=1e-6)
 
 
