@@ -37,7 +37,7 @@ def test_controllers_follow_the_protocol():
         controller = make_controller(name)
         assert isinstance(controller, Controller) and controller.name == name
         for control, n_actions in (("rudder", 1), ("rudder+rpm", 2)):
-            on_track = name in ("los_pid", "ilos")
+            on_track = name in ("los_pid", "ilos", "drift_los")
             seen = observations(3, columns=15 if on_track else 9)
             task = "track_following" if on_track else "heading_keeping"
             action = started(controller, 3, scenario=task, control=control).act(seen)

@@ -112,7 +112,7 @@ def test_scripts_are_the_verbs(monkeypatch, capsys, verb, script):
         (["train", "--out", "file"], ["file is a file, not a folder"]),
         (["train", "--resume"], ["no run to resume"]),
         (["tune", "--generations", "0"], ["--generations = 0: allowed is 1 to 10000"]),
-        (["tune", "--out", "g.toml"], ["name the ship too"]),
+        (["tune", "--out", "g.toml"], ["name one controller and one ship"]),
         (["tune", "--ship", "kcs", "--out", "g.json"], ["--out g.json: allowed is a .toml file"]),
         (["tune", "--ship", "none.toml"], ["none.toml: no such file"]),
         (["evaluate", "--episodes", "1.5"], ["--episodes = 1.5: must be a whole number"]),

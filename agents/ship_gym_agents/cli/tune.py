@@ -35,9 +35,9 @@ from ship_gym_agents.cli.values import Name, whole
 @click.option("--resume", is_flag=True, help="Leave ships with such gains alone.")
 @out(".toml", "Gains; default: see above.")
 def command(as_json, controllers, ships, task, resume, out, structure, **options) -> None:
-    """Tune controllers by CMA-ES, then Nelder-Mead, on seeds kept for tuning.
+    """Tune controllers for ships on seeds kept for tuning; say what it gained.
 
-    Headings are tuned for J_0.1, tracks for the rms distance to the track; three times as many
+    The search is CMA-ES, then Nelder-Mead. Headings are tuned for J_0.1, tracks for the rms distance to the track; three times as many
     further tuning seeds choose the structure and say what was gained, with its 95 % interval.
 
     Without --out, a checkout gets the gains in its package; of an installed package, those of your
