@@ -16,6 +16,7 @@ from ship_gym.ships import load_ship
 from ship_gym_agents.drift_los import DriftLOS
 from ship_gym_agents.gains_files import kind_of, load_gains, tuned_file
 from ship_gym_agents.los import ILOS, LOSPID
+from ship_gym_agents.lqg import LQG
 from ship_gym_agents.pid import PID
 from ship_gym_agents.plugins import is_own, load_object, own_controller
 
@@ -25,6 +26,7 @@ CONTROLLERS: dict[str, Callable[[], Controller]] = {
     "los_pid": LOSPID,
     "ilos": ILOS,
     "drift_los": DriftLOS,
+    "lqg": LQG,
 }
 PRETRAINED = Path(__file__).parent / "pretrained"
 
@@ -95,7 +97,7 @@ def _with_gains_of(name: str, ship: str) -> Controller:
     """A controller with the gains of a ship, whatever ship sails."""
     found = controller_class(name)
     foreign = load_ship(ship)
-    gains_for = getattr(found, "gains_for", None)
+    gains_for = getattr(found, "gains_for", None)  # a controller of one's own may have none
     gains = gains_for(foreign) if gains_for else tuned_file(foreign, found).gains
     return found(gains, name=f"{name}@{ship}")
 

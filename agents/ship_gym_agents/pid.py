@@ -1,7 +1,6 @@
 """PID heading autopilot with non-dimensional gains, which carry over to a scaled ship.
 
-Order of work in `PID.act`: did the order change (module ``reference``), what of the measured motion
-counts (``wave_filter``), which heading to be at now (``reference``), rudder angle.
+What it shares with other autopilots, filter and reference model: ``ship_gym_agents.autopilot``.
 """
 
 from __future__ import annotations
@@ -14,14 +13,13 @@ from typing import ClassVar
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.conventions import wrap_angle
-from ship_gym.evaluation.controller import ConstantController
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
-from ship_gym.tasks.columns import View, action_columns, observation_columns
+from ship_gym.tasks.columns import View
 from ship_gym_agents import gains_files
+from ship_gym_agents.autopilot import Autopilot, wrapped
 from ship_gym_agents.gains_files import GainsFile
-from ship_gym_agents.reference import Guidance, OrderWatch, Reference, ReferenceModel
+from ship_gym_agents.reference import Guidance, Reference
 from ship_gym_agents.wave_filter import LowPass, Observer, check_gains, identify
 
 _FEEDBACK = ("K_p", "K_d", "K_v")
@@ -80,6 +78,11 @@ class Gains:
         if self.observer is None and np.any(np.asarray(self.K_b) != 0.0):
             raise ConfigError(f"gains.K_b = {self.K_b}: allowed is 0 without an observer")
 
+    @property
+    def wave_filter(self) -> LowPass | Observer | None:
+        """The filter that is given."""
+        return self.low_pass if self.observer is None else self.observer
+
 
 def load_gains(path: str | Path) -> GainsFile:
     """Read a file of gains of a PID or of a guidance on top of it."""
@@ -91,7 +94,7 @@ def gains_of(ship: Ship) -> Gains:
     return gains_files.tuned_file(ship, PID).gains
 
 
-class PID:
+class PID(Autopilot):
     """PID on heading error and yaw rate, with sway feedback where it is tuned; batch first.
 
     The heading error ``psi_e = psi - psi_ordered`` and ``r`` are positive to starboard, and so is
@@ -107,7 +110,6 @@ class PID:
     name : str
     """
 
-    needs = ("sin_error", "cos_error", "yaw_rate", "sway", "rudder")  # of the observation
     KIND: ClassVar[str] = "pid"  # in the names of gains files
     # gain -> lowest, highest, where tuning begins, see ``ship_gym_agents.tuning.ranges``
     TUNED: ClassVar[dict[str, tuple[float, float, float | None]]] = {
@@ -134,7 +136,7 @@ class PID:
 
     @classmethod
     def gains_for(cls, ship: Ship) -> Gains:
-        """The tuned gains of a ship."""
+        """The tuned gains of a ship; without any, a ConfigError that says how to tune them."""
         return gains_files.tuned_file(ship, cls).gains
 
     @classmethod
@@ -153,78 +155,20 @@ class PID:
         }
 
     def __init__(self, gains: Gains | None = None, name: str = "pid"):
-        self.gains, self.name = gains, name
+        super().__init__(gains, name)
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
-        """Clear the integrals; `count` episodes of `scenario` with `ship` begin together.
-
-        Raises
-        ------
-        ConfigError
-            The observation of the scenario lacks what the controller needs.
-        """
-        self._columns = observation_columns(scenario).require(self.needs, f"controller {self.name}")
-        self._rudder_column = action_columns(scenario)["rudder"]
-        self._g = g = self._gains_for(ship)
-        self._limit = ship.gear.delta_max
-        # control interval over L / U0
-        self._step = scenario.control_interval / ship.time_unit * ship.speed / ship.hull.L
+        """Clear the integrals; `count` episodes of `scenario` with `ship` begin together."""
+        super().reset(count, ship, scenario)
         self._integral = np.zeros(count)
-        self._watch = OrderWatch(self._step)
-        chosen = g.low_pass if g.observer is None else g.observer
-        self._filter = _as_measured if chosen is None else chosen.start(count, self._step)
-        self._reference = None
-        if g.reference is not None:
-            linear = None if g.observer is None else g.observer.ship
-            self._reference = ReferenceModel(g.reference, self._step, linear)
-        steady = ConstantController()
-        steady.reset(count, ship, scenario)
-        self._action = np.array(steady.act(np.empty((count, 0))))
 
-    def act(self, observations: np.ndarray) -> np.ndarray:
-        """Actions in [-1, 1], shape (count, n_actions), for observations of the scenario."""
-        seen = self._columns.view(observations)
-        measured = np.arctan2(seen.sin_error, seen.cos_error)
-        jump = self._watch(measured, seen.yaw_rate)
-        delta = seen.rudder * self._limit
-        motion = self._filter(measured, seen.yaw_rate, seen.sway, delta, jump)
-        wanted = self._wanted(seen, jump), 0.0, 0.0, 0.0
-        if self._reference is not None:
-            wanted = self._reference(wanted[0], motion[0], jump)
-        delta = self._rudder(motion, wanted)
-        action = self._action.copy()
-        action[:, self._rudder_column] = np.clip(delta / self._limit, -1.0, 1.0)
-        return action
-
-    def _gains_for(self, ship: Ship) -> Gains:
-        return self.gains_for(ship) if self.gains is None else self.gains
-
-    def _wanted(self, seen: View, jump: np.ndarray) -> np.ndarray:
-        """Wanted heading less ordered heading [rad], shape (count,)."""
-        return np.zeros(len(seen))
-
-    def _rudder(self, motion, wanted) -> np.ndarray:
-        """Rudder angle [rad] that may exceed the largest; takes the integral one interval on.
-
-        Parameters
-        ----------
-        motion : tuple
-            psi [rad], r', v' and rudder bias [rad].
-        wanted : tuple
-            Those of the reference, and its rudder angle [rad].
-        """
-        g, error = self._g, motion[0] - wanted[0]
-        # Only where needed: wrapping rounds, and a mirrored error shall give the mirrored rudder.
-        error = np.where(np.abs(error) > math.pi, wrap_angle(error), error)
-        error = np.clip(error, -g.error_limit, g.error_limit)
+    def _rudder(self, seen: View, motion, wanted) -> np.ndarray:
+        """Rudder angle [rad] that may exceed the largest; takes the integral one interval on."""
+        g = self._g
+        error = np.clip(wrapped(motion[0] - wanted[0]), -g.error_limit, g.error_limit)
         integral = self._integral + error * self._step
         damping = g.K_d * (motion[1] - wanted[1]) + g.K_v * (motion[2] - wanted[2])
         delta = -(g.K_p * error + g.K_i * integral + damping) + g.K_b * motion[3] + wanted[3]
         winding = (np.abs(delta) > self._limit) & (delta * error < 0.0)
         self._integral = np.where(winding, self._integral, integral)
         return delta
-
-
-def _as_measured(psi, r, v, delta, jump):
-    """No filter: psi [rad], r', v' as they are measured, and no bias."""
-    return psi, r, v, 0.0

@@ -26,9 +26,8 @@ def on_leg(error_deg=0.0, cross=0.0, to_go=20.0, next_turn_deg=0.0):
     return seen
 
 
-def started(controller, acceptance=2.0):
-    scenario = load_scenario("track_following", {"track.acceptance": acceptance})
-    controller.reset(1, load_ship("kcs"), scenario)
+def started(controller):
+    controller.reset(1, load_ship("kcs"), load_scenario("track_following"))
     return controller
 
 
@@ -37,27 +36,34 @@ def wanted_deg(controller, seen, jump=0.0):
     return math.degrees(controller._wanted(seen, np.array([jump]))[0])
 
 
-def sail(controller, points, current=(0.0, 0.0), T=1500, start=(0.0, 0.0), acceptance=2.0):
-    """Rows of x, y, psi, cross-track error and number of the leg; x north, y east."""
-    controller, ship = started(controller, acceptance), load_ship("kcs")
+def sail(controller, points, current=(0.0, 0.0), T=1500, start=(0.0, 0.0)):
+    """Rows of x, y, psi, cross-track error and number of the leg; x north, y east.
+
+    A leg ends at the bisector of the way-point's angle.
+    """
+    controller, ship = started(controller), load_ship("kcs")
     points, limit = np.asarray(points, dtype=float), ship.gear.delta_max
     step, rate = ship.speed / ship.hull.L, ship.gear.rate
     (x, y), leg, r, delta, rows = start, 0, 0.0, 0.0, []
     legs = np.diff(points, axis=0)
     bearing = np.arctan2(legs[:, 1], legs[:, 0])
+    ahead = np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
     psi = bearing[0]
     for _ in range(T):
-        while leg < len(legs) - 1 and math.dist((x, y), points[leg + 1]) < acceptance:
+        while (
+            leg < len(legs) - 1
+            and np.dot((x, y) - points[leg + 1], ahead[leg : leg + 2].sum(0)) > 0
+        ):
             leg += 1
         c, s = math.cos(bearing[leg]), math.sin(bearing[leg])
-        ahead = points[leg + 1] - (x, y)
+        north, east = points[leg + 1] - (x, y)
         cross = c * (y - points[leg, 1]) - s * (x - points[leg, 0])
         seen = np.zeros((1, 15))
         e = psi - bearing[leg]
         seen[0, :6] = math.sin(e), math.cos(e), r, 1.0, 0.0, delta / limit
         turn = bearing[leg + 1] - bearing[leg] if leg < len(legs) - 1 else 0.0
         turn = (turn + math.pi) % (2.0 * math.pi) - math.pi
-        to_go = np.clip(c * ahead[0] + s * ahead[1], -5.0, 50.0)
+        to_go = np.clip(c * north + s * east, -5.0, 50.0)
         seen[0, 9], seen[0, 11], seen[0, 12] = np.clip(cross, -10.0, 10.0), to_go, turn / math.pi
         seen[0, 10] = math.sin(e) - s * current[0] + c * current[1]
         wanted = limit * float(controller.act(seen)[0, 0])
@@ -116,12 +122,13 @@ def test_converges_to_a_leg_from_aside(law, past):
 
 
 @pytest.mark.parametrize("turn_deg", [-90.0, 30.0, 60.0, 120.0])
-@pytest.mark.parametrize("acceptance", [0.5, 2.0])
-def test_turns_at_a_way_point(turn_deg, acceptance):
-    """Reaches the circle of acceptance however small and settles on the next leg."""
+@pytest.mark.parametrize("radius", [0.0, 4.0])
+def test_turns_at_a_way_point(turn_deg, radius):
+    """Passes the bisector however early the turn begins and settles on the next leg."""
     a = math.radians(turn_deg)
     points = [(0, 0), (15, 0), (15 + 25 * math.cos(a), 25 * math.sin(a))]
-    rows = sail(LOSPID(GAINS), points, T=1100, acceptance=acceptance)
+    gains = Gains(2.0, 2.0, guidance=Guidance(look_ahead=2.5, turn_radius=radius))
+    rows = sail(LOSPID(gains), points, T=1100)
     assert rows[-1, 4] == 1 and abs(rows[-1, 3]) < 0.05
 
 
@@ -131,7 +138,7 @@ def test_wheel_over_keeps_the_ship_nearer_to_the_track():
     past = []
     for radius in (0.0, 4.0):
         gains = Gains(2.0, 2.0, guidance=Guidance(turn_radius=radius))
-        rows = sail(LOSPID(gains), points, T=1100, acceptance=1.0)
+        rows = sail(LOSPID(gains), points, T=1100)
         past.append(-rows[rows[:, 4] == 1, 3].min())
     assert past[1] < 0.5 * past[0]
 

@@ -37,8 +37,9 @@ from ship_gym_agents.cli.values import Name, whole
 def command(as_json, controllers, ships, task, resume, out, structure, **options) -> None:
     """Tune controllers for ships on seeds kept for tuning; say what it gained.
 
-    The search is CMA-ES, then Nelder-Mead. Headings are tuned for J_0.1, tracks for the rms distance to the track; three times as many
-    further tuning seeds choose the structure and say what was gained, with its 95 % interval.
+    The search is CMA-ES, then Nelder-Mead. Headings are tuned for J_0.1, tracks for the rms
+    distance to the route; three times as many further tuning seeds choose the structure and say
+    what was gained, with its 95 % interval.
 
     Without --out, a checkout gets the gains in its package; of an installed package, those of your
     own ship file go to your own folder ($XDG_DATA_HOME/ship_gym/gains, or ~/.local/share/...),
