@@ -10,8 +10,8 @@ from ship_gym_agents.reference import Guidance
 
 from ship_gym import load_scenario, load_ship
 from ship_gym.config import ConfigError
+from ship_gym.evaluation.comparison import per_episode
 from ship_gym.evaluation.rollout import rollout, tuning_seeds
-from ship_gym.evaluation.statistics import per_episode
 from ship_gym.tasks.columns import observation_columns
 
 SCENARIO, KCS = load_scenario("track_following"), load_ship("kcs")

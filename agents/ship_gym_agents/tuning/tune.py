@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError, check_known
+from ship_gym.evaluation.comparison import per_episode
 from ship_gym.evaluation.rollout import begin, rollout, tuning_seeds
-from ship_gym.evaluation.statistics import Estimate, estimate, per_episode
+from ship_gym.evaluation.statistics import Estimate, estimate
 from ship_gym.ships import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym_agents.gains_files import find_gains, load_gains

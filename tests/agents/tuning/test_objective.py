@@ -7,9 +7,9 @@ from ship_gym_agents.tuning import objective
 from ship_gym_agents.tuning.objective import episode_costs, objective_of
 
 from ship_gym.config import ConfigError
+from ship_gym.evaluation.comparison import per_episode
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.evaluation.rollout import rollout
-from ship_gym.evaluation.statistics import per_episode
 from ship_gym.tasks import TASKS
 
 WEAK, HARD_OVER = PID(Gains(1.0, 1.0, 0.2, -0.5)), ConstantController(1.0)
