@@ -24,6 +24,7 @@ VERBS = {
     "review": "Print the metrics of recordings side by side, computed from the files.",
     "simulate": "Sail a standard manoeuvre or all trials of a ship.",
     "trials": "Sail every trial of every ship and compare, with the scatter of the facilities.",
+    "linearise": "Linearise a ship on a straight course: derivatives, Nomoto's K and T, stability.",
     "tune": "Tune controllers for ships on seeds kept for tuning; say what it gained.",
     "fit-surrogate": "Fit a propeller and rudder surrogate to CFD points.",
     "draw": "Draw what papers draw of surrogates and of the forces in a turn.",
