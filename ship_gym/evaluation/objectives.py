@@ -1,0 +1,184 @@
+"""What an optimum is sought for: measures that are means of squares, as residuals.
+
+A measure with an objective here can be bounded by ``ship_gym.evaluation.bound``; a task needs an
+entry in `ERRORS` for it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ship_gym.config import ConfigError
+from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.evaluation.voyages import Voyages
+from ship_gym.scenarios.scenario import Scenario
+from ship_gym.tasks import TASKS
+from ship_gym.tasks.measures import LAMBDAS
+
+TURN = 120.0  # of the start and of a new order; steady after it [full-scale s]
+RATE_TIME = 10.0  # [full-scale s] that makes of a rudder rate an angle: of a weight on the rate
+_BEYOND = 60.0  # sailed after the end, so that letting go before it does not pay [full-scale s]
+# Of delta [1/rad^2] where the measure has none, so that the optimum is one: 1e-3 of (e / L)^2.
+_TINY = 1e-3
+
+
+class Error(NamedTuple):
+    """The error of a task, from ``EpisodeBatch.errors``.
+
+    ``unit(scenario, batch)``: what one unit of the measure is in that of the batch, a number or
+    (m,); ``limit(scenario)``: error at which an episode fails, in the unit of the measure;
+    ``turns``: whether there are orders, with a turn after each.
+    """
+
+    unit: Callable[[Scenario, EpisodeBatch], float | np.ndarray]
+    limit: Callable[[Scenario], float]
+    turns: bool
+
+
+_HEADING = Error(
+    unit=lambda scenario, batch: math.radians(1.0),
+    limit=lambda scenario: scenario.limits.heading_error_deg,
+    turns=True,
+)
+ERRORS: dict[str, Error] = {
+    "heading_keeping": _HEADING,
+    "course_changing": _HEADING,
+    "track_following": Error(
+        unit=lambda scenario, batch: batch.tasks["L"],
+        limit=lambda scenario: scenario.limits.cross_track,
+        turns=False,
+    ),
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Objective:
+    """mean(e^2 + rudder delta^2 + rate (RATE_TIME d delta / dt)^2) over the intervals that count.
+
+    Attributes
+    ----------
+    rudder, rate : float
+        Weights, e and delta in the unit of the measure and in degrees.
+    steady : bool
+        Whether the first `TURN` after the start and after each order are left out.
+    beyond : float
+        How long the voyage goes on, and counts, after the end of the episode [full-scale s].
+    """
+
+    rudder: float
+    rate: float = 0.0
+    steady: bool = False
+    beyond: float = _BEYOND
+
+
+_OF_HEADINGS = {
+    **{f"J_{lam:g}": Objective(lam) for lam in LAMBDAS},
+    "J_steady": Objective(LAMBDAS[0], steady=True),
+    "rms_error": Objective(_TINY),
+}
+_OF_TRACKS = {"rms_route": Objective(_TINY * math.radians(1.0) ** 2, beyond=0.0)}
+
+
+def objectives_of(task: str) -> dict[str, Objective]:
+    """Measures of a task that an optimum can be sought for, with what is minimised.
+
+    Raises
+    ------
+    ConfigError
+        A task without an error in `ERRORS`.
+    """
+    if task not in ERRORS:
+        raise ConfigError(
+            f"task {task!r} has no residuals to minimise; it needs an entry in "
+            f"ship_gym.evaluation.objectives.ERRORS, as have {', '.join(ERRORS)}"
+        )
+    known = _OF_HEADINGS if ERRORS[task].turns else _OF_TRACKS
+    return {name: one for name, one in known.items() if name in TASKS[task].metrics}
+
+
+def objective_of(task: str, measure: str) -> Objective:
+    """What is minimised for a measure of a task.
+
+    Raises
+    ------
+    ConfigError
+        There is none: the message names those that there are.
+    """
+    known = objectives_of(task)
+    if measure not in known:
+        raise ConfigError(
+            f"measure {measure!r} of task {task!r} is no mean of squares; allowed are "
+            f"{', '.join(known)}"
+        )
+    return known[measure]
+
+
+class Scale(NamedTuple):
+    """What turns voyages into residuals: of m rows.
+
+    ``unit`` of the error, (m,); ``counts`` (T, m), 0 or 1; ``worst``, error at the limit in the
+    unit of the measure and the largest rudder angle [deg]; ``interval`` [full-scale s].
+    """
+
+    unit: np.ndarray
+    counts: np.ndarray
+    worst: tuple[float, float]
+    interval: float
+
+    def rows(self, which: np.ndarray) -> Scale:
+        """The same of some of the rows."""
+        return self._replace(unit=self.unit[which], counts=self.counts[:, which])
+
+
+def scale_of(objective: Objective, batch: EpisodeBatch, steps: int) -> Scale:
+    """Scale of the episodes of a batch that has just begun, T = `steps`."""
+    scenario, error = batch.scenario, ERRORS[batch.scenario.task]
+    counts = np.ones((steps, batch.n))
+    if objective.steady:
+        counts = _after_turns(batch, steps)
+    unit = np.broadcast_to(error.unit(scenario, batch), batch.n).astype(np.float64)
+    worst = error.limit(scenario), math.degrees(batch.ship.gear.delta_max)
+    return Scale(unit, counts, worst, scenario.control_interval)
+
+
+def _after_turns(batch: EpisodeBatch, steps: int) -> np.ndarray:
+    """1 for the intervals that begin `TURN` or more after the start and the last order, else 0."""
+    turn = round(TURN / batch.scenario.control_interval)
+    counts = np.ones((steps, batch.n))
+    counts[:turn] = 0.0
+    if batch.plans.shape[2] == 2:  # times and orders of course_changing
+        for column, times in zip(counts.T, batch.plans[:, 1:, 0].astype(int), strict=True):
+            for time in times.tolist():
+                column[time : time + turn] = 0.0
+    return counts
+
+
+def residuals(objective: Objective, scale: Scale, sailed: Voyages) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals and their mean square.
+
+    Intervals that a failure cost count with the error at the limit and the rudder hard over, as in
+    ``tasks.measures``; those after an arrival do not count.
+
+    Returns
+    -------
+    parts : numpy.ndarray
+        Shape (2 or 3, T, m).
+    costs : numpy.ndarray
+        Shape (m,).
+    """
+    alive = np.arange(len(sailed.error))[:, None] < sailed.lengths
+    lost = ~alive & sailed.failed
+    error = np.where(lost, scale.worst[0], sailed.error / scale.unit)
+    delta = np.where(lost, scale.worst[1], np.degrees(sailed.delta))
+    parts = [error, math.sqrt(objective.rudder) * delta]
+    if objective.rate > 0.0:
+        rate = np.diff(delta, axis=0, prepend=delta[:1]) / scale.interval
+        parts.append(math.sqrt(objective.rate) * RATE_TIME * rate)
+    counts = scale.counts * (alive | lost)
+    found = np.stack(parts) * counts
+    return found, (found**2).sum(axis=(0, 1)) / np.maximum(counts.sum(axis=0), 1.0)
