@@ -25,16 +25,17 @@ from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.evaluation.gauss_newton import Problem, minimise
 from ship_gym.evaluation.objectives import ERRORS, Objective, objective_of, residuals, scale_of
 from ship_gym.evaluation.rollout import Rollout, rollout
-from ship_gym.evaluation.voyages import Helm, Pilot, Sailings, Steered
+from ship_gym.evaluation.voyages import Beside, Helm, Pilot, Sailings, Steered
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.columns import action_columns
 
 NAME = "optimum"
-_SPACING = 0.5  # of the knots [L / U0]; corrections are linear between them
-# How long a correction is felt under a pilot [L / U0]: of a heading, and across a track.
-_REACH = {True: 12.0, False: 20.0}
+# Of headings and of tracks [L / U0]: spacing of the knots, between which corrections are linear, and
+# how long a correction is felt under a pilot.
+_SPACING = {True: 0.5, False: 1.0}
+_REACH = {True: 20.0, False: 12.0}
 
 
 class Plan:
@@ -159,11 +160,12 @@ def _problem(scenario, ship, objective, seeds, parallel) -> Problem:
     steps = scenario.steps + beyond
     probe = Sailings(seeds, scenario, sailor, np.zeros(1), 1, parallel)
     unit = probe.ship.hull.L / probe.ship.speed * probe.ship.time_unit  # full-scale s
-    spacing = max(round(_SPACING * unit / scenario.control_interval), 1)
+    turns = ERRORS[scenario.task].turns
+    spacing = max(round(_SPACING[turns] * unit / scenario.control_interval), 1)
     knots = np.arange(0, steps + spacing, spacing)
     sailings = Sailings(seeds, scenario, sailor, knots, steps, parallel)
     scale = scale_of(objective, sailings.begin(np.arange(len(seeds))), steps)
-    reach = round(_REACH[ERRORS[scenario.task].turns] / _SPACING)
+    reach = round(_REACH[turns] / _SPACING[turns])
     return Problem(sailings, objective, scale, min(reach, len(knots)))
 
 
@@ -174,7 +176,16 @@ def _starts(problem: Problem, controllers: Sequence[Controller]):
     for controller in controllers:
         yield Steered(controller), nothing
     if ERRORS[problem.sailings.scenario.task].turns:
-        yield Helm(ConstantController()), nothing
+        helm = Helm(ConstantController())
+        yield helm, _smoothed(problem, Beside(Steered(controllers[0]), helm))
+
+
+def _smoothed(problem: Problem, both: Beside) -> np.ndarray:
+    """Corrections (n, K) with which the second pilot gives the rudder of the first, smoothed."""
+    sailings = problem.sailings
+    rows = np.arange(len(sailings.seeds))
+    sailings.sail(both, rows, np.zeros((len(rows), len(sailings.knots))))
+    return sailings.at_knots(np.stack(both.differences))
 
 
 def _actions(problem: Problem, pilot: Pilot, corrections: np.ndarray) -> np.ndarray:

@@ -23,6 +23,7 @@ from ship_gym.tasks.measures import LAMBDAS
 TURN = 120.0  # of the start and of a new order; steady after it [full-scale s]
 RATE_TIME = 10.0  # [full-scale s] that makes of a rudder rate an angle: of a weight on the rate
 _BEYOND = 60.0  # sailed after the end, so that letting go before it does not pay [full-scale s]
+_TURNING = 0.001  # weight of the turns where the steady part is judged: it settles what else is free
 # Of delta [1/rad^2] where the measure has none, so that the optimum is one: 1e-3 of (e / L)^2.
 _TINY = 1e-3
 
@@ -65,7 +66,7 @@ class Objective:
     rudder, rate : float
         Weights, e and delta in the unit of the measure and in degrees.
     steady : bool
-        Whether the first `TURN` after the start and after each order are left out.
+        Whether the first `TURN` after the start and after each order hardly count (`_TURNING`).
     beyond : float
         How long the voyage goes on, and counts, after the end of the episode [full-scale s].
     """
@@ -118,10 +119,21 @@ def objective_of(task: str, measure: str) -> Objective:
     return known[measure]
 
 
+def traded(task: str, measure: str, lam: float) -> Objective:
+    """The objective of a measure with lambda of delta^2 and of (RATE_TIME d delta / dt)^2.
+
+    For the front of error against wear. e is in deg or in L, delta in deg or, beside L, in rad, as
+    in the rewards.
+    """
+    known = objective_of(task, measure)
+    unit = 1.0 if ERRORS[task].turns else math.radians(1.0) ** 2
+    return dataclasses.replace(known, rudder=lam * unit, rate=lam * unit)
+
+
 class Scale(NamedTuple):
     """What turns voyages into residuals: of m rows.
 
-    ``unit`` of the error, (m,); ``counts`` (T, m), 0 or 1; ``worst``, error at the limit in the
+    ``unit`` of the error, (m,); ``counts`` (T, m), weights of the intervals; ``worst``, error at the limit in the
     unit of the measure and the largest rudder angle [deg]; ``interval`` [full-scale s].
     """
 
@@ -147,14 +159,14 @@ def scale_of(objective: Objective, batch: EpisodeBatch, steps: int) -> Scale:
 
 
 def _after_turns(batch: EpisodeBatch, steps: int) -> np.ndarray:
-    """1 for the intervals that begin `TURN` or more after the start and the last order, else 0."""
+    """Weights of the intervals: 1 of those that begin `TURN` or more after every order."""
     turn = round(TURN / batch.scenario.control_interval)
     counts = np.ones((steps, batch.n))
-    counts[:turn] = 0.0
+    counts[:turn] = _TURNING
     if batch.plans.shape[2] == 2:  # times and orders of course_changing
         for column, times in zip(counts.T, batch.plans[:, 1:, 0].astype(int), strict=True):
             for time in times.tolist():
-                column[time : time + turn] = 0.0
+                column[time : time + turn] = _TURNING
     return counts
 
 
@@ -180,5 +192,5 @@ def residuals(objective: Objective, scale: Scale, sailed: Voyages) -> tuple[np.n
         rate = np.diff(delta, axis=0, prepend=delta[:1]) / scale.interval
         parts.append(math.sqrt(objective.rate) * RATE_TIME * rate)
     counts = scale.counts * (alive | lost)
-    found = np.stack(parts) * counts
+    found = np.stack(parts) * np.sqrt(counts)
     return found, (found**2).sum(axis=(0, 1)) / np.maximum(counts.sum(axis=0), 1.0)

@@ -83,6 +83,34 @@ class Helm:
         return actions
 
 
+class Beside:
+    """A pilot, and what another one would do beside it.
+
+    Attributes
+    ----------
+    differences : list of numpy.ndarray
+        Rudder command of the first less that of the second [rad], (m,), of each interval.
+    """
+
+    def __init__(self, first: Pilot, second: Pilot):
+        self._first, self._second, self.name = first, second, first.name
+        self.differences: list[np.ndarray] = []
+
+    def begin(self, batch: EpisodeBatch) -> None:
+        """See `Pilot`."""
+        self._first.begin(batch)
+        self._second.begin(batch)
+        self.differences = []
+
+    def act(self, batch: EpisodeBatch) -> np.ndarray:
+        """See `Pilot`."""
+        found, other = self._first.act(batch), self._second.act(batch)
+        rudder = action_columns(batch.scenario)["rudder"]
+        limit = batch.ship.gear.delta_max
+        self.differences.append((found[:, rudder] - other[:, rudder]) * limit)
+        return found
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class Voyages:
     """m voyages of T intervals.
@@ -188,6 +216,11 @@ class Sailings:
                 if lengths.max() <= k + 1:
                     break
         return Voyages(error, delta, lengths, failed, actions)
+
+    def at_knots(self, angles: np.ndarray) -> np.ndarray:
+        """Corrections (m, K) nearest to angles of the intervals (T, m), by least squares."""
+        shape = self._shape[: len(angles)]
+        return np.linalg.lstsq(shape, angles, rcond=None)[0].T
 
     def _is_failure(self, batch: EpisodeBatch) -> np.ndarray:
         return np.array([one.failed for one in batch.task.all_outcomes])[batch.outcomes]
