@@ -20,8 +20,9 @@ import numpy as np
 from scipy import stats
 
 from ship_gym.config import ConfigError, check_known
+from ship_gym.conventions import wrap_angle
 from ship_gym.envs.env import resolved_scenario
-from ship_gym.evaluation.bound import optimum
+from ship_gym.evaluation.bound import ITERATIONS, optimum
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.evaluation.metrics import metrics, metrics_of
 from ship_gym.evaluation.objectives import ERRORS, objectives_of
@@ -94,7 +95,7 @@ def measure_cell(
     *,
     judged: int = JUDGED,
     optimised: int = OPTIMISED,
-    iterations: int = 6,
+    iterations: int = ITERATIONS,
 ) -> Cell:
     """Measure one cell.
 
@@ -221,9 +222,19 @@ def _optimum(starts, reference: Rollout, measure: str, n: int, iterations: int, 
         return None, None
     seeds = reference.seeds[:n]
     found = optimum(starts, seeds=seeds, measure=measure, iterations=iterations, **env)
-    best = values_of(found.rollout, measure)
-    # minimised is what goes on beyond the end: where that cost more, the plan is the reference's
-    return PLAN, best
+    return PLAN, values_of(found.rollout, measure)
+
+
+def minimum_turns(sailed: Rollout, n: int) -> np.ndarray:
+    """Mean minimum time of the steps that the first n episodes order [s], in calm water, (n,)."""
+    from ship_gym.evaluation.minimum_turn import minimum_turn_time
+
+    found = []
+    for begins, orders in np.moveaxis(sailed.plans[:n], 2, 1):
+        steps = np.abs(wrap_angle(np.diff(orders)))[begins[1:] < sailed.scenario.steps]
+        times = [minimum_turn_time(sailed.ship, float(step)) for step in steps]
+        found.append(np.mean(times))
+    return np.array(found)
 
 
 def inputs_of(scenario: Scenario, measure: str, named: Sequence[str], files: Sequence[Path]) -> str:

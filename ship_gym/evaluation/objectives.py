@@ -18,12 +18,13 @@ from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.evaluation.voyages import Voyages
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.tasks import TASKS
-from ship_gym.tasks.measures import LAMBDAS
+from ship_gym.tasks.measures import LAMBDAS, turning
 
-TURN = 120.0  # of the start and of a new order; steady after it [full-scale s]
 RATE_TIME = 10.0  # [full-scale s] that makes of a rudder rate an angle: of a weight on the rate
 _BEYOND = 60.0  # sailed after the end, so that letting go before it does not pay [full-scale s]
-_TURNING = 0.001  # weight of the turns where the steady part is judged: it settles what else is free
+_TURNING = (
+    0.001  # weight of the turns where the steady part is judged: it settles what else is free
+)
 # Of delta [1/rad^2] where the measure has none, so that the optimum is one: 1e-3 of (e / L)^2.
 _TINY = 1e-3
 
@@ -66,7 +67,7 @@ class Objective:
     rudder, rate : float
         Weights, e and delta in the unit of the measure and in degrees.
     steady : bool
-        Whether the first `TURN` after the start and after each order hardly count (`_TURNING`).
+        Whether the first ``measures.TURN`` after the start and each order hardly count.
     beyond : float
         How long the voyage goes on, and counts, after the end of the episode [full-scale s].
     """
@@ -131,10 +132,11 @@ def traded(task: str, measure: str, lam: float) -> Objective:
 
 
 class Scale(NamedTuple):
-    """What turns voyages into residuals: of m rows.
+    """What turns m voyages into residuals.
 
-    ``unit`` of the error, (m,); ``counts`` (T, m), weights of the intervals; ``worst``, error at the limit in the
-    unit of the measure and the largest rudder angle [deg]; ``interval`` [full-scale s].
+    ``unit`` of the error, (m,); ``counts`` (T, m), weights of the intervals; ``worst``, error at
+    the limit in the unit of the measure and the largest rudder angle [deg]; ``interval``
+    [full-scale s].
     """
 
     unit: np.ndarray
@@ -159,15 +161,13 @@ def scale_of(objective: Objective, batch: EpisodeBatch, steps: int) -> Scale:
 
 
 def _after_turns(batch: EpisodeBatch, steps: int) -> np.ndarray:
-    """Weights of the intervals: 1 of those that begin `TURN` or more after every order."""
-    turn = round(TURN / batch.scenario.control_interval)
-    counts = np.ones((steps, batch.n))
-    counts[:turn] = _TURNING
-    if batch.plans.shape[2] == 2:  # times and orders of course_changing
-        for column, times in zip(counts.T, batch.plans[:, 1:, 0].astype(int), strict=True):
-            for time in times.tolist():
-                column[time : time + turn] = _TURNING
-    return counts
+    """Weights of the intervals, (steps, n): 1 of those of the steady part."""
+    orders = np.zeros((batch.n, 1))
+    if batch.plans.shape[2] == 2:  # course_changing: from when they hold, and the headings
+        orders = batch.plans[:, :, 0]
+    interval = batch.scenario.control_interval
+    turns = np.stack([turning(row, steps, interval) for row in orders.tolist()], axis=1)
+    return np.where(turns, _TURNING, 1.0)
 
 
 def residuals(objective: Objective, scale: Scale, sailed: Voyages) -> tuple[np.ndarray, np.ndarray]:
