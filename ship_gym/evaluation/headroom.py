@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy import stats
 
 from ship_gym.config import ConfigError, check_known
 from ship_gym.conventions import wrap_angle
@@ -26,21 +25,29 @@ from ship_gym.evaluation.bound import ITERATIONS, optimum
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.evaluation.metrics import metrics, metrics_of
 from ship_gym.evaluation.objectives import ERRORS, objectives_of
-from ship_gym.evaluation.rollout import TUNING_SEED, Rollout, evaluation_seeds, rollout
-from ship_gym.evaluation.statistics import CONFIDENCE, Estimate, estimate, interquartile_mean
+from ship_gym.evaluation.rollout import Rollout, rollout
+from ship_gym.evaluation.score import FILE, OPTIMA, VERSION
+from ship_gym.evaluation.splits import TUNING_SEED, evaluation_seeds
+from ship_gym.evaluation.statistics import (
+    CONFIDENCE,
+    Estimate,
+    Paired,
+    draws,
+    interquartile_mean,
+    interquartile_weights,
+    paired,
+    tails,
+)
 from ship_gym.provenance import atomic_path, provenance, sha256
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks import TASKS
 
-VERSION = "ShipBench-1"
-FILE = Path(__file__).with_name("shipbench_1.json")
 JUDGED = 64  # test seeds of reference, second best and doing nothing
 OPTIMISED = 32  # the first of them: of the optimum
 CHOICE = TUNING_SEED + 200_000  # first of the seeds to choose the reference on: none tunes there
 LEAST = 5.0  # headroom [%] whose interval begins above this separates
-_RESAMPLES, _SEED = 5000, 0
-PLAN, MINIMUM_TURN = "gauss-newton plan", "minimum-time turn"
+PLAN, MINIMUM_TURN = OPTIMA
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,8 +62,8 @@ class Cell:
     reference_controller : str
     second, second_controller : float and str, or None
         Of the second best controller; None if there is no other.
-    difference : Estimate or None
-        Second best less best, paired over the seeds.
+    difference : Paired or None
+        Second best less best, mean over the seeds.
     optimum : float or None
         The reference less the headroom: the optimum brought from its seeds to those of the others.
     optimum_kind : str or None
@@ -77,7 +84,7 @@ class Cell:
     reference_controller: str
     second: float | None
     second_controller: str | None
-    difference: Estimate | None
+    difference: Paired | None
     optimum: float | None
     optimum_kind: str | None
     optimum_seeds: int
@@ -126,7 +133,7 @@ def measure_cell(
     values = {name: values_of(found, measure) for name, found in sailed.items()}
     nothing = values_of(rollout(ConstantController(), seeds=seeds, **env), measure)
     reference, second = values[names[0]], values[names[1]] if len(names) > 1 else None
-    difference = None if second is None else estimate(second - reference)
+    difference = None if second is None else paired(second, reference)
     starts = [candidates[name]() for name in names[:2]]
     kind, best = _optimum(starts, sailed[names[0]], measure, optimised, iterations, env)
     headroom = None if best is None else relative(best, reference[: len(best)])
@@ -147,7 +154,7 @@ def measure_cell(
     )
 
 
-def separates(difference: Estimate | None, headroom: Estimate | None) -> bool:
+def separates(difference: Paired | None, headroom: Estimate | None) -> bool:
     """Whether a cell can tell controllers apart, see `Cell`."""
     tells = difference is not None and difference.low is not None
     apart = tells and not difference.low <= 0.0 <= difference.high
@@ -164,24 +171,18 @@ def relative(values: np.ndarray, reference: np.ndarray) -> Estimate:
 
     The interval is the percentile bootstrap over the seeds, drawn together for both.
     """
-
-    def lower(a, b, axis=-1):
-        return 100.0 * (1.0 - interquartile_mean(a, axis) / interquartile_mean(b, axis))
-
-    value = float(lower(values, reference))
+    value = 100.0 * (1.0 - interquartile_mean(values) / interquartile_mean(reference))
     if len(values) < 2:
-        return Estimate(value, None, None)
-    found = stats.bootstrap(
-        (values, reference),
-        lower,
-        n_resamples=_RESAMPLES,
-        paired=True,
-        confidence_level=CONFIDENCE,
-        method="percentile",
-        vectorized=True,
-        rng=np.random.default_rng(_SEED),
-    ).confidence_interval
-    return Estimate(value, float(found.low), float(found.high))
+        return Estimate(float(value), None, None)
+    counts = draws(len(values))
+    low, high = tails(100.0 * (1.0 - _middles(values, counts) / _middles(reference, counts)))
+    return Estimate(float(value), float(low), float(high))
+
+
+def _middles(values: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Interquartile means of resamples, shape (resamples,)."""
+    order = np.argsort(values, kind="stable")
+    return interquartile_weights(counts[:, order]) @ values[order]
 
 
 def _checked(task: str, measure: str | None) -> str:
