@@ -2,7 +2,7 @@
 
 A score is logarithmic, because errors are ratios: halving the error earns the same wherever one
 stands. What it is measured against is frozen with the benchmark's version, in
-``shipbench_1.json`` (``ship-gym bound`` makes it).
+``shipbench_1.json`` (``scripts/measure_headroom.py`` makes it).
 """
 
 from __future__ import annotations
@@ -32,6 +32,8 @@ LEAST = 1.05  # nothing / reference below it: the scenario tells no one from doi
 OPTIMA = ("gauss-newton plan", "minimum-time turn")
 _KEYS = ("measure", "nothing", "reference", "reference_controller", "optimum", "optimum_kind")
 _MORE = ("optimum_seeds", "headroom")
+# what ``evaluation.headroom`` keeps beside
+_BESIDE = ("second", "second_controller", "difference", "separates", "inputs")
 
 
 def normalised(x: float, nothing: float, reference: float) -> float | None:
@@ -176,7 +178,7 @@ def _cell(name: str, values: Any, where: str) -> Reference:
     if not isinstance(values, dict):
         raise ConfigError(f"{where}: allowed is an object with {', '.join(_KEYS)}")
     for key in values:
-        check_known(f"key of {where}", key, (*_KEYS, *_MORE))
+        check_known(f"key of {where}", key, (*_KEYS, *_MORE, *_BESIDE))
     if missing := [key for key in _KEYS if key not in values]:
         raise ConfigError(f"{where}: missing key {missing[0]!r}")
     lower = [metric for metric, what in all_metrics().items() if what.better == "lower"]
