@@ -150,7 +150,7 @@ def plot_pareto(
     """
     with picture(path, _WIDTH, 3.4) as figure:
         axes = figure.add_subplot()
-        front = _front({name: (x.value, y.value) for name, (x, y) in points.items()})
+        front = pareto_front({name: (x.value, y.value) for name, (x, y) in points.items()})
         corners = sorted(points[name][0].value for name in front)
         heights = [min(y.value for x, y in points.values() if x.value <= c) for c in corners]
         axes.step(corners, heights, where="post", color=FAINT, linewidth=1.0, zorder=1)
@@ -178,7 +178,7 @@ def _error_scale(axes: Axes, values: Sequence[float]) -> None:
         axes.yaxis.set_minor_locator(NullLocator())
 
 
-def _front(points: Mapping[str, tuple[float, float]]) -> list[str]:
+def pareto_front(points: Mapping[str, tuple[float, float]]) -> list[str]:
     """Names of the points that no other one equals or beats in both."""
     return [
         name
