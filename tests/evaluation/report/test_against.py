@@ -14,7 +14,7 @@ def grids(section):
 
 
 def test_a_policy_that_loses_is_listed(many):
-    found = judge(many, {})
+    found = judge(many)
     counts, lost = grids(against.where_policies_lose(found))
     assert [row[0] for row in counts.rows] == ["mine", "ppo_kcs"]
     rows = {(str(row[0]), row[2]) for row in lost.rows}
@@ -25,7 +25,7 @@ def test_a_policy_that_loses_is_listed(many):
 
 
 def test_without_a_policy_it_says_so():
-    found = judge(made_up(("constant", "pid", "lqg")), {})
+    found = judge(made_up(("constant", "pid", "lqg")))
     (text,) = against.where_policies_lose(found).blocks
     assert "no policy" in text.text
 
@@ -45,5 +45,5 @@ def test_means_of_sectors_with_enough_episodes():
 
 @pytest.mark.parametrize("section", [against.profiles, against.wave_headings])
 def test_pictures_of_suite_and_ship(many, section):
-    pictures = [b for b in section(judge(many, {})).blocks if isinstance(b, Row)]
+    pictures = [b for b in section(judge(many)).blocks if isinstance(b, Row)]
     assert [p.name.rsplit("_", 1)[1] for p in pictures[0].pictures] == ["kcs", "kvlcc2"]

@@ -9,7 +9,7 @@ from ship_gym.evaluation.report.episodes import Episode, blocks, episode, extrem
 
 @pytest.fixture(scope="module")
 def found(results):
-    return judge(results, {})
+    return judge(results)
 
 
 def test_extremes_by_the_measure(found):
