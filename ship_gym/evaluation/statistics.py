@@ -50,8 +50,14 @@ def interquartile_mean(values: np.ndarray, axis: int = -1) -> np.ndarray:
 
 def draws(n: int, resamples: int = RESAMPLES) -> np.ndarray:
     """How often each of `n` episodes is drawn in each resample, shape (resamples, n)."""
-    rng = np.random.default_rng(_SEED)
+    rng = np.random.default_rng((_SEED, n))
     return rng.multinomial(n, np.full(n, 1.0 / n), size=resamples).astype(np.float64)
+
+
+def tails(resampled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the middle 95 % of resamples, those along the first axis."""
+    low, high = np.quantile(resampled, _TAILS, axis=0)
+    return low, high
 
 
 def interquartile_weights(counts: np.ndarray) -> np.ndarray:
@@ -90,7 +96,7 @@ def intervals(
     counts = draws(values.shape[1], resamples)
     if statistic is interquartile_mean:
         found = interquartile_weights(counts) @ np.sort(values, axis=1).T
-        return tuple(np.quantile(found, _TAILS, axis=0))
+        return tails(found)
     if statistic is not np.mean:
         raise ConfigError(f"no interval of {statistic!r}: allowed are interquartile_mean, np.mean")
     return _intervals_of_means(values, counts)
@@ -108,7 +114,7 @@ def _intervals_of_means(values: np.ndarray, counts: np.ndarray) -> tuple[np.ndar
         ratio = np.where(flat, np.copysign(np.inf, shift), shift / spread)
     few, many = np.quantile(ratio, _TAILS, axis=0, method="nearest")
     sound = np.isfinite(few) & np.isfinite(many)
-    low, high = np.quantile(shift, _TAILS, axis=0)
+    low, high = tails(shift)
     low = np.where(sound, -scale * np.where(sound, many, 0.0), low)
     high = np.where(sound, -scale * np.where(sound, few, 0.0), high)
     student = stats.t.ppf(_TAILS[1], n - 1) * scale / np.sqrt(n - 1)
