@@ -1,16 +1,21 @@
 """Evaluation: controllers, rollouts, metrics and their statistics."""
 
+from ship_gym.evaluation.benchmark import benchmark
+from ship_gym.evaluation.episodes_table import Results, read_results
 from ship_gym.evaluation.metrics import all_metrics, metrics, metrics_of
 from ship_gym.evaluation.rollout import Rollout, evaluation_seeds, rollout
 from ship_gym.evaluation.statistics import compare, table
 
 __all__ = [
+    "Results",
     "Rollout",
     "all_metrics",
+    "benchmark",
     "compare",
     "evaluation_seeds",
     "metrics",
     "metrics_of",
+    "read_results",
     "rollout",
     "table",
 ]
