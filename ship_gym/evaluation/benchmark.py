@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import os
 import time
@@ -16,7 +17,7 @@ from ship_gym.evaluation.episodes_table import Results, arrow, table_of, write_r
 from ship_gym.evaluation.metrics import metrics_of
 from ship_gym.evaluation.rollout import begin, evaluation_seeds
 from ship_gym.evaluation.run_folder import RunFolder
-from ship_gym.evaluation.suite import ALWAYS, Suite, load_suites
+from ship_gym.evaluation.suite import ALWAYS, Entry, Suite, load_suites
 from ship_gym.evaluation.unit import Entrant, Sailed, Unit, chunks
 from ship_gym.provenance import provenance
 from ship_gym.reports.speed import machine
@@ -82,6 +83,7 @@ def plan(
     ships: Sequence[str] = (),
     seeds: int | Sequence[int] = 64,
     patience: float = PATIENCE,
+    progress: Progress | None = None,
 ) -> Plan:
     """What a benchmark with these arguments sails, everything checked before any work.
 
@@ -107,8 +109,14 @@ def plan(
         entrants[named] = entrant(named)
     _check_names(entrants)
     made = Plan(suites, entrants, sailed, numbers, float(patience))
-    for one in suites:
-        _check_scenarios(one, dict.fromkeys(ship for _, ship in sailed[one.name]), numbers[0])
+    cells = [
+        (one, entry, ship)
+        for one in suites
+        for entry in one.scenario
+        for ship in dict.fromkeys(ship for _, ship in sailed[one.name])
+    ]
+    for one, entry, ship in progress(cells, "checking", len(cells)) if progress else cells:
+        _check_cell(one, entry, ship, numbers[0])
     return made
 
 
@@ -132,17 +140,14 @@ def _check_names(entrants: dict[str, Entrant]) -> None:
         raise ConfigError(f"two controllers are named {double[0]!r}; give one another name")
 
 
-def _check_scenarios(suite: Suite, ships: Iterable[str], seed: int) -> None:
-    """Refuse a scenario that cannot be sailed, by beginning one episode of it with each ship."""
-    for ship in ships:
-        for entry in suite.scenario:
-            where = f"suite {suite.name}, scenario {entry.name}"
-            try:
-                batch = begin([seed], entry.name, ship=ship, control=entry.control, parallel=False)
-                measure = entry.measure or batch.task.headline
-                check_known("measure", measure, metrics_of(batch.task.name))
-            except ConfigError as error:
-                raise ConfigError(f"{where}: {error}") from error
+def _check_cell(suite: Suite, entry: Entry, ship: str, seed: int) -> None:
+    """Refuse a scenario that a ship cannot sail, by beginning one episode of it."""
+    where = f"suite {suite.name}, scenario {entry.name}"
+    try:
+        batch = begin([seed], entry.name, ship=ship, control=entry.control, parallel=False)
+        check_known("measure", entry.measure or batch.task.headline, metrics_of(batch.task.name))
+    except ConfigError as error:
+        raise ConfigError(f"{where}: {error}") from error
 
 
 def benchmark(
@@ -206,8 +211,9 @@ def benchmark(
     arrow()  # refuses before the work
     sail = engine_of(engine, jobs, address)
     made = plan(
-        suite, entrant, controllers=controllers, ships=ships, seeds=seeds, patience=patience
-    )
+        suite, entrant, controllers=controllers, ships=ships, seeds=seeds, patience=patience,
+        progress=progress,
+    )  # fmt: skip
     folder, start = RunFolder(out), time.perf_counter()
     with folder.locked():
         folder.begin(made.settings(), fresh)
@@ -215,11 +221,18 @@ def benchmark(
         found = {number: kept for number in units if (kept := folder.kept(number)) is not None}
         n_kept = len(found)
         todo = {number: unit for number, unit in units.items() if number not in found}
-        running = sail(todo) if todo else iter(())
+        running = sail(todo)
         shown = progress(running, "sailing", len(todo)) if progress else running
-        for number, sailed in shown:
-            folder.keep(number, sailed)
-            found[number] = sailed
+        try:
+            with contextlib.closing(running):
+                for number, sailed in shown:
+                    folder.keep(number, sailed)
+                    found[number] = sailed
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(
+                f"interrupted: {len(found)} of {len(units)} units are kept in {folder.path}; the "
+                "same call goes on from there"
+            ) from None
         about = _about(made, found.values(), command) | {
             "engine": engine,
             "jobs": jobs,
@@ -241,6 +254,7 @@ def _about(made: Plan, sailed: Iterable[Sailed], command: str) -> dict[str, Any]
                 "title": suite.title,
                 "sha256": suite.sha256,
                 "scenarios": [entry.name for entry in suite.scenario],
+                "controls": {e.name: e.control for e in suite.scenario if e.control},
             }
             for suite in made.suites
         },

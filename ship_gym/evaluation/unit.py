@@ -18,7 +18,7 @@ from ship_gym.conventions import polar, wrap_angle
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.registration import load_task
 from ship_gym.evaluation.controller import Controller
-from ship_gym.evaluation.guard import ControllerFailed, Guarded, told
+from ship_gym.evaluation.guard import ControllerFailed, ControllerRefused, Guarded, told
 from ship_gym.evaluation.metrics import metrics
 from ship_gym.evaluation.rollout import Rollout, begin, rollout, weather_of
 from ship_gym.evaluation.suite import Entry
@@ -211,7 +211,7 @@ def _sailed(unit: Unit, seeds: Sequence[int], dt: float) -> dict[int, dict[str, 
     try:
         found = rollout(_guarded(unit, seeds, dt), seeds=seeds, **unit.env)
     except ControllerFailed as failed:
-        if failed.slow or len(seeds) == 1:
+        if failed.slow or isinstance(failed, ControllerRefused) or len(seeds) == 1:
             return _lost(failed)
         return {seed: row for one in seeds for seed, row in _sailed(unit, [one], dt).items()}
     return {seed: _row(found, i, unit.entry.measure) for i, seed in enumerate(found.seeds)}
