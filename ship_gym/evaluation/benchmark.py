@@ -15,8 +15,9 @@ from ship_gym.envs.registration import load_task
 from ship_gym.evaluation.engines import ENGINES, engine_of
 from ship_gym.evaluation.episodes_table import Results, arrow, table_of, write_results
 from ship_gym.evaluation.metrics import metrics_of
-from ship_gym.evaluation.rollout import begin, evaluation_seeds
+from ship_gym.evaluation.rollout import begin
 from ship_gym.evaluation.run_folder import RunFolder
+from ship_gym.evaluation.splits import evaluation_seeds
 from ship_gym.evaluation.suite import ALWAYS, Entry, Suite, load_suites
 from ship_gym.evaluation.unit import Entrant, Sailed, Unit, chunks
 from ship_gym.provenance import provenance

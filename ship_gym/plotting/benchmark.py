@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from ship_gym.plotting.figure import (
     AMBER,
@@ -62,7 +63,7 @@ def plot_scores(
 ) -> None:
     """Mean scores with intervals, the best at the top; lines at 0 and 100."""
     names = sorted(scores, key=lambda name: scores[name].value)
-    with picture(path, 6.4, 0.9 + 0.3 * len(names)) as figure:
+    with picture(path, 4.8, 0.9 + 0.28 * len(names)) as figure:
         axes = figure.add_subplot()
         for k, name in enumerate(names):
             found, style = scores[name], look[name]
@@ -117,11 +118,11 @@ def _plain_ticks(axes: Axes, end: float) -> None:
     if end > 2.0:
         ticks = [t for t in ticks if t not in (1.1, 1.2, 1.3, 1.75, 2.5, 7)]
     axes.set_xticks(ticks, [f"{t:g}" for t in ticks])
-    axes.xaxis.set_minor_locator(axes.xaxis.get_minor_locator().__class__(numticks=0))
+    axes.xaxis.set_minor_locator(NullLocator())
 
 
-def _legend(figure: Figure, count: int) -> None:
-    columns = min(count, 4)
+def _legend(figure: Figure, count: int, columns: int = 4) -> None:
+    columns = min(count, columns)
     figure.legend(loc="outside lower center", ncols=columns, columnspacing=1.2, handlelength=1.6)
 
 
@@ -149,7 +150,7 @@ def plot_pareto(
     """
     with picture(path, _WIDTH, 3.4) as figure:
         axes = figure.add_subplot()
-        front = _front({name: (x.value, y.value) for name, (x, y) in points.items()})
+        front = pareto_front({name: (x.value, y.value) for name, (x, y) in points.items()})
         corners = sorted(points[name][0].value for name in front)
         heights = [min(y.value for x, y in points.values() if x.value <= c) for c in corners]
         axes.step(corners, heights, where="post", color=FAINT, linewidth=1.0, zorder=1)
@@ -172,9 +173,12 @@ def _error_scale(axes: Axes, values: Sequence[float]) -> None:
     """Logarithmic where the errors span more than a factor of four: all stay apart."""
     if min(values) > 0.0 and max(values) > 4.0 * min(values):
         axes.set_yscale("log")
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.yaxis.set_minor_locator(NullLocator())
 
 
-def _front(points: Mapping[str, tuple[float, float]]) -> list[str]:
+def pareto_front(points: Mapping[str, tuple[float, float]]) -> list[str]:
     """Names of the points that no other one equals or beats in both."""
     return [
         name
@@ -196,7 +200,7 @@ def plot_polar(
     Parameters
     ----------
     angles : numpy.ndarray
-        Middle of each sector, where waves come from: 0 ahead, 90 starboard [deg], shape (m,).
+        Middle of each sector, where waves come from: 0 ahead, 180 astern [deg], shape (m,).
     sectors : mapping
         Controller to its values, shape (m,); NaN: no episode.
     look : mapping
@@ -205,25 +209,22 @@ def plot_polar(
     label : str
         What the radius is.
     """
-    with picture(path, _WIDTH, 4.5) as figure:
+    with picture(path, 3.3, 4.4) as figure:
         axes = figure.add_subplot(projection="polar")
         axes.set_theta_zero_location("N")
         axes.set_theta_direction(-1)
+        axes.set_thetalim(0.0, np.pi)
         for name, values in sectors.items():
-            ring = np.isfinite(values)
-            theta, radius = np.radians(angles[ring]), values[ring]
-            if ring.all():
-                theta, radius = np.append(theta, theta[0]), np.append(radius, radius[0])
             style = look[name]
-            axes.plot(theta, radius, color=style.colour, marker=style.marker, ms=4, label=name)
+            theta = np.radians(angles)
+            axes.plot(theta, values, color=style.colour, marker=style.marker, ms=4, label=name)
         axes.set_xticks(
-            np.radians([0, 45, 90, 135, 180, 225, 270, 315]),
-            ["ahead", "", "starboard", "", "astern", "", "port", ""],
+            np.radians([0, 45, 90, 135, 180]), ["ahead", "bow", "beam", "quarter", "astern"]
         )
         axes.set_ylim(0.0, None)
-        axes.set_rlabel_position(22.5)
-        axes.tick_params(axis="y", labelsize=7.5, labelcolor=FAINT)
+        axes.tick_params(axis="x", pad=7)
+        axes.tick_params(axis="y", labelsize=7.5)
         axes.grid(linewidth=0.6)
         axes.set_title(title, fontsize=10)
-        axes.set_xlabel(label)
-        _legend(figure, len(sectors))
+        axes.set_ylabel(label, labelpad=22)
+        _legend(figure, len(sectors), 3)

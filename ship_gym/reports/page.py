@@ -26,6 +26,7 @@ h2 { font-size: 1.2em; margin-top: 2em; border-bottom: 1px solid #e3e8ec; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; margin: 0.8em 0; font-size: 0.92em; }
 caption { text-align: left; color: #647684; padding-bottom: 0.3em; }
+caption span { position: sticky; left: 0; display: inline-block; max-width: calc(100vw - 3em); }
 th, td { padding: 0.15em 0.8em 0.15em 0; text-align: right; white-space: nowrap; }
 th.left, td.left { text-align: left; white-space: normal; overflow-wrap: break-word; }
 thead th { border-bottom: 1px solid #8795a1; }
@@ -156,7 +157,7 @@ class Grid:
             raise ValueError(f"table {self.caption!r}: every row needs {len(self.header)} cells")
         body = "".join(f"<tr>{self._cells(row, 'td')}</tr>\n" for row in self.rows)
         return (
-            f'<div class="wide"><table><caption>{escape(self.caption)}</caption>\n'
+            f'<div class="wide"><table><caption><span>{escape(self.caption)}</span></caption>\n'
             f"<thead><tr>{self._cells(self.header, 'th')}</tr></thead>\n"
             f"<tbody>\n{body}</tbody></table></div>"
         )

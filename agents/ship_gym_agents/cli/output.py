@@ -18,6 +18,7 @@ _QUIET = 2.0  # seconds before a progress bar appears
 _EXTRAS = {
     "rerun": ("rerun", "recordings"),
     "matplotlib": ("plot", "pictures"),
+    "pyarrow": ("benchmark", "results of a benchmark"),
     "capytaine": ("bem", "wave tables"),
     "joblib": ("bem", "wave tables"),
     "stable_baselines3": ("rl", "training"),

@@ -8,16 +8,16 @@ import numpy as np
 
 from ship_gym.evaluation.report import words
 from ship_gym.evaluation.report.benchmark import Benchmark
-from ship_gym.evaluation.report.events import Event
+from ship_gym.evaluation.report.events import NOTHING, Event, slug
 from ship_gym.evaluation.report.judge import SIGNIFICANT, Difference
 from ship_gym.plotting.benchmark import plot_polar, plot_profiles
 from ship_gym.plotting.figure import for_page
 from ship_gym.reports.page import Cell, Grid, Picture, Row, Section, Text
 
-_SECTORS = 8  # of 45 deg, the first ahead
-_FEWEST = 4  # episodes of a sector that is drawn
+_WIDTH = 45.0  # of a sector [deg], the first is ahead
+_FEWEST = 3  # episodes of a sector that is drawn
 SPREAD = 4  # sectors that must be met for a picture over the wave heading
-HEADER = ["controller", "against", "difference", "share", "p (Holm)", "verdict"]
+HEADER = ["controller", "against", "difference", "relative", "p (Holm)", "verdict"]
 
 
 def difference_cells(each: Difference) -> list[str | Cell]:
@@ -72,35 +72,46 @@ def _counts(found: Benchmark, names: Sequence[str]) -> Grid:
 
 
 def differences(found: Benchmark) -> Section:
-    """How often each controller is better or worse than the best classical one."""
-    blocks = [Text(_about_family(found)), _counts(found, list(found.controllers))]
-    return Section("Against the best classical controller", blocks, "differences")
+    """How often each classical controller is worse than the best one."""
+    names = [n for n, kind in found.controllers.items() if kind == "classical" and n != NOTHING]
+    text = "The same for the classical controllers; each cell's own table has the differences."
+    blocks = [Text(text), _counts(found, names)] if len(names) > 1 else []
+    return Section("Classical controllers against the best of them", blocks, "differences")
 
 
 def profiles(found: Benchmark) -> Section:
-    """Performance profiles, one for each suite."""
+    """Performance profiles, one for each suite and ship."""
     text = (
         "For every episode, each controller's measure is divided by the smallest that any of them "
         "reached on that seed. The curve is the share of episodes in which a controller stays "
         "within the factor; its left end is how often it is the best. Only controllers that sailed "
-        "all cells of a suite, and episodes that all of them finished."
+        "all cells of a suite and ship, and episodes that all of them finished; without constant."
     )
-    pictures = [each for suite in found.suites if (each := _profile(found, suite))]
+    pictures = [each for pair in _groups(found) if (each := _profile(found, *pair))]
     return Section("Performance profiles", [Text(text), Row(pictures)] if pictures else [])
 
 
-def _profile(found: Benchmark, suite: str) -> Picture | None:
-    among = [e for e in found.events if e.suite == suite and e.metric.better == "lower"]
+def _groups(found: Benchmark) -> list[tuple[str, str]]:
+    """(suite, ship), in the order of the table."""
+    return list(dict.fromkeys((event.suite, event.ship) for event in found.events))
+
+
+def _profile(found: Benchmark, suite: str, ship: str) -> Picture | None:
+    among = [e for e in found.events if (e.suite, e.ship) == (suite, ship)]
+    among = [e for e in among if e.metric.better == "lower"]
     names = [n for n in found.controllers if among and all(n in e.runs for e in among)]
+    names = [name for name in names if name != NOTHING]
     ratios = [_ratios(event, names) for event in among] if len(names) > 1 else []
     ratios = [each for each in ratios if each is not None]
     if not ratios:
         return None
     joined = {name: np.concatenate([each[name] for each in ratios]) for name in names}
     count = len(joined[names[0]])
-    caption = f"Suite {suite}: {words.plural(len(ratios), 'cell')}, {count} episodes."
+    caption = f"Suite {suite}, {ship}: {words.plural(len(ratios), 'cell')}, {count} episodes."
     return for_page(
-        caption, lambda path: plot_profiles(joined, found.look, path, suite), f"profile_{suite}"
+        caption,
+        lambda path: plot_profiles(joined, found.look, path, f"{suite}, {ship}"),
+        slug(f"profile_{suite}_{ship}"),
     )
 
 
@@ -118,36 +129,43 @@ def _ratios(event: Event, names: Sequence[str]) -> dict[str, np.ndarray] | None:
 def wave_headings(found: Benchmark) -> Section:
     """Ratio to the best classical controller over the wave heading, all cells of a suite."""
     text = (
-        "Where the waves come from, as seen from the bridge, against how a controller does beside "
-        "the best classical one of the cell: geometric mean of the ratio of the measures on the "
-        f"same seeds in sectors of 45 degrees with at least {_FEWEST} episodes; below 1 is better."
+        "Where the waves come from, as seen from the bridge (port taken with starboard), against "
+        "how a controller does beside the best classical one of the cell: geometric mean of the "
+        f"ratio of the measures on the same seeds in sectors of {_WIDTH:g} degrees with at least "
+        f"{_FEWEST} episodes; below 1 is better."
     )
-    pictures = [
-        picture
-        for suite in found.suites
-        for ship in dict.fromkeys(e.ship for e in found.events if e.suite == suite)
-        if (picture := _polar(found, suite, ship))
-    ]
+    pictures = [each for pair in _groups(found) if (each := _polar(found, *pair))]
     return Section("Over the wave heading", [Text(text), Row(pictures)] if pictures else [])
 
 
 def coming_from(encounter_deg: np.ndarray) -> np.ndarray:
-    """Where waves come from as a bearing [deg], 0 ahead, 90 starboard.
+    """Where waves come from, from 0 ahead to 180 astern [deg], port taken with starboard.
 
     The table's angle is 0 from astern, 180 from ahead, positive from starboard.
     """
-    return np.mod(180.0 - np.asarray(encounter_deg), 360.0)
+    return 180.0 - np.abs(encounter_deg)
 
 
 def by_sector(from_deg: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Middles of the sectors [deg] and the means of the values in them, NaN where they are few."""
-    width = 360.0 / _SECTORS
-    which = np.mod(np.floor(from_deg / width + 0.5), _SECTORS).astype(int)
+    """Means of values by where waves come from.
+
+    Parameters
+    ----------
+    from_deg, values : numpy.ndarray
+        Of the episodes, `coming_from` [deg], shape (n,).
+
+    Returns
+    -------
+    middles, means : numpy.ndarray
+        Of the sectors [deg]; NaN where less than `_FEWEST` episodes are. Shape (5,).
+    """
+    middles = np.arange(0.0, 180.0 + _WIDTH, _WIDTH)
+    which = np.floor(from_deg / _WIDTH + 0.5).astype(int)
     means = [
         values[which == k].mean() if np.count_nonzero(which == k) >= _FEWEST else np.nan
-        for k in range(_SECTORS)
+        for k in range(len(middles))
     ]
-    return width * np.arange(_SECTORS), np.array(means)
+    return middles, np.array(means)
 
 
 def _polar(found: Benchmark, suite: str, ship: str) -> Picture | None:
@@ -160,7 +178,7 @@ def _polar(found: Benchmark, suite: str, ship: str) -> Picture | None:
             logs.setdefault(name, []).append(ratio)
     sectors = {}
     for name in logs:
-        if name == "constant":
+        if name == NOTHING:
             continue
         middles, means = by_sector(np.concatenate(angles[name]), np.concatenate(logs[name]))
         if np.isfinite(means).sum() >= SPREAD:
@@ -171,7 +189,7 @@ def _polar(found: Benchmark, suite: str, ship: str) -> Picture | None:
     return for_page(
         f"Suite {suite}, {ship}; without constant.",
         lambda path: plot_polar(middles, sectors, found.look, path, title),
-        f"waves_{suite}_{ship}",
+        slug(f"waves_{suite}_{ship}"),
     )
 
 

@@ -7,7 +7,7 @@ import functools
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-from ship_gym.evaluation.report.events import Event, events
+from ship_gym.evaluation.report.events import NOTHING, Event, events
 from ship_gym.evaluation.report.judge import Difference, Scale, differences, mean_score, scale
 from ship_gym.evaluation.report.numbers import read_references
 from ship_gym.evaluation.statistics import Estimate
@@ -45,8 +45,9 @@ class Benchmark:
 
     @functools.cached_property
     def controllers(self) -> dict[str, str]:
-        """Controller to its kind, in the order of the table."""
-        return {name: run.kind for event in self.events for name, run in event.runs.items()}
+        """Controller to its kind: classical ones, policies, others; by name, nothing first."""
+        kinds = {name: run.kind for event in self.events for name, run in event.runs.items()}
+        return dict(sorted(kinds.items(), key=lambda item: (item[0] != NOTHING, item[1], item[0])))
 
     @property
     def suites(self) -> list[str]:
@@ -87,7 +88,7 @@ def judge(results: Results, references: Mapping[str, Mapping[str, Any]] | None =
     """
     known = read_references() if references is None else references
     found = events(results.table)
-    names = list(dict.fromkeys(name for event in found for name in event.runs))
+    names = sorted({name for event in found for name in event.runs})
     return Benchmark(
         found,
         {event: scale(event, known) for event in found},

@@ -10,7 +10,7 @@ import numpy as np
 
 from ship_gym.evaluation.report import words
 from ship_gym.evaluation.report.benchmark import Benchmark
-from ship_gym.evaluation.report.events import Event, Run
+from ship_gym.evaluation.report.events import Event, Run, slug
 from ship_gym.plotting.benchmark_episode import plot_episode
 from ship_gym.plotting.figure import for_page
 from ship_gym.recording.trajectory import Trajectory
@@ -25,22 +25,27 @@ class Episode:
 
     Attributes
     ----------
-    suite, scenario, ship, controller : str
+    scenario, ship : str
+    controller : str
+        As ``make_controller`` takes it: a name or a file.
     seed : int
+    control : str or None
+        Instead of the scenario's.
     """
 
-    suite: str
     scenario: str
     ship: str
     controller: str
     seed: int
+    control: str | None = None
 
     @property
     def command(self) -> str:
         """The command that records it."""
-        words = ["ship-gym", "record", "--controller", self.controller]
-        words += ["--scenario", self.scenario, "--ship", self.ship, "--seed", str(self.seed)]
-        return shlex.join(words)
+        parts = ["ship-gym", "record", "--controller", self.controller]
+        parts += ["--scenario", self.scenario, "--ship", self.ship]
+        parts += ["--control", self.control] if self.control else []
+        return shlex.join([*parts, "--seed", str(self.seed)])
 
 
 # What sails an episode again; None for one that it cannot sail, such as a policy that is gone.
@@ -63,22 +68,24 @@ def extremes(event: Event, run: Run) -> dict[str, int]:
     )
 
 
-def episode(event: Event, controller: str, seed: int) -> Episode:
-    """An episode of an event."""
-    return Episode(event.suite, event.scenario, event.ship, controller, seed)
+def episode(found: Benchmark, event: Event, controller: str, seed: int) -> Episode:
+    """An episode of an event, with the names that what sails it again needs."""
+    named = found.about.get("controllers", {}).get(controller, {}).get("named", controller)
+    controls = found.about.get("suites", {}).get(event.suite, {}).get("controls", {})
+    return Episode(event.scenario, event.ship, named, seed, controls.get(event.scenario))
 
 
-def blocks(event: Event) -> list[Block]:
+def blocks(found: Benchmark, event: Event) -> list[Block]:
     """Table of the episodes of an event, and the commands."""
     rows, commands = [], []
     for name, run in event.runs.items():
-        found = extremes(event, run)
-        if not found:
+        seeds = extremes(event, run)
+        if not seeds:
             continue
         value = dict(zip(run.seeds.tolist(), run.values.tolist(), strict=True))
-        cells = [f"{seed}: {words.number(value[seed])}" for seed in found.values()]
-        rows.append([name, *cells])
-        commands += [f"{episode(event, name, s).command}  # {k}" for k, s in found.items()]
+        rows.append([name, *(f"{seed}: {words.number(value[seed])}" for seed in seeds.values())])
+        for which, seed in seeds.items():
+            commands.append(f"{episode(found, event, name, seed).command}  # {which}")
     caption = f"seed: {event.measure} [{event.metric.unit}]"
     return [Grid(caption, ["controller", *WHICH], rows), Command("\n".join(commands))]
 
@@ -134,7 +141,7 @@ def pictures(found: Benchmark, sail: Sail, count: int, progress=iter) -> dict[Ev
         beside = [name, event.best_classical] if event.best_classical else [name]
         sailed = {}
         for each in dict.fromkeys(beside):
-            trajectory = sail(episode(event, each, seed))
+            trajectory = sail(episode(found, event, each, seed))
             if trajectory is not None:
                 sailed[each] = trajectory
         if name in sailed:
@@ -160,5 +167,5 @@ def _picture(
     return for_page(
         caption,
         lambda path: plot_episode(sailed, found.look, path, title),
-        f"{which}_{name}_{event.scenario}_{event.ship}",
+        slug(f"{which}_{name}_{event.anchor}"),
     )

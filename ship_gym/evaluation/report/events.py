@@ -15,6 +15,7 @@ from ship_gym.evaluation.statistics import Estimate, estimate, interquartile_mea
 from ship_gym.tasks.base import Metric
 
 _KEYS = ("suite", "scenario", "ship")
+NOTHING = "constant"  # the controller that does nothing
 _RATES = ("success",)  # 0 or 1 per episode
 
 
@@ -87,7 +88,7 @@ class Event:
     measure : str
         Name of what is scored.
     runs : dict
-        Controller to its `Run`, in the order of the table.
+        Controller to its `Run`, the best by the measure first, those without a middle last.
     """
 
     suite: str
@@ -119,16 +120,17 @@ class Event:
 
         The one that does nothing is no opponent. None if there is no other.
         """
-        found = {
-            name: run.middle("value")
-            for name, run in self.runs.items()
-            if run.kind == "classical" and name != "constant"
-        }
-        found = {name: value for name, value in found.items() if value is not None}
-        if not found:
-            return None
-        choose = min if self.metric.better == "lower" else max
-        return choose(found, key=found.__getitem__)
+        for name, run in self.runs.items():  # the best first
+            if run.kind == "classical" and name != NOTHING and run.middle("value") is not None:
+                return name
+        return None
+
+    def rank(self, item: tuple[str, Run]) -> tuple[bool, float]:
+        """Key that sorts (controller, run) from the best to the worst."""
+        middle = item[1].middle("value")
+        if middle is None:
+            return True, 0.0
+        return False, middle if self.metric.better == "lower" else -middle
 
     def finished(self, names: Sequence[str]) -> np.ndarray:
         """Seeds for which all of these controllers have a value of the measure, sorted."""
@@ -172,4 +174,5 @@ def _event(columns: dict[str, np.ndarray], rows: dict[str, list[int]]) -> Event:
         order = np.array(indices)[np.argsort(columns["seed"][indices], kind="stable")]
         taken = {key: values[order] for key, values in columns.items()}
         runs[name] = Run(name, str(taken["kind"][0]), taken)
-    return Event(**said, runs=runs)
+    event = Event(**said, runs=runs)
+    return dataclasses.replace(event, runs=dict(sorted(runs.items(), key=event.rank)))

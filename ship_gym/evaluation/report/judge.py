@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.evaluation.report.events import Event
+from ship_gym.evaluation.report.events import NOTHING, Event
 from ship_gym.evaluation.report.numbers import holm, normalised, resampled_middles, sign_flip
 from ship_gym.evaluation.statistics import Estimate, estimate
+from ship_gym.tasks import TASKS
 
 SIGNIFICANT = 0.05  # of a p-value after Holm's correction
-NOTHING = "constant"
-CLASSICAL = "pid"  # the reference where no file names one
 
 
 @dataclasses.dataclass(frozen=True)
@@ -72,14 +71,15 @@ def scale(event: Event, references: Mapping[str, Mapping[str, Any]]) -> Scale:
         optimum, source = known.get("optimum"), "ShipBench-1"
     else:
         runs = event.runs
-        missing = [name for name in (NOTHING, CLASSICAL) if name not in runs]
+        by = _usual(event.task)
+        missing = [name for name in (NOTHING, by) if name not in runs]
         if missing:
             lacks = " and no ".join(missing)
             return _without(f"no reference value is stored, and the results have no {lacks}")
-        middles = [runs[name].middle("value") for name in (NOTHING, CLASSICAL)]
+        middles = [runs[name].middle("value") for name in (NOTHING, by)]
         if None in middles:
             return _without("no reference value is stored, and an episode of it broke off")
-        made, optimum, source = (*middles, CLASSICAL), None, "these episodes"
+        made, optimum, source = (*middles, by), None, "these episodes"
     nothing, reference, by = made
     if normalised(reference, nothing, reference) is None:
         return _without(
@@ -90,15 +90,13 @@ def scale(event: Event, references: Mapping[str, Mapping[str, Any]]) -> Scale:
     return Scale(nothing, reference, by, source, best)
 
 
+def _usual(task: str) -> str:
+    """The reference of a task where no stored value names one: its first default controller."""
+    return TASKS[task].controllers[0] if task in TASKS else "pid"
+
+
 def _without(why: str) -> Scale:
     return Scale(None, None, "", "", None, why)
-
-
-def scales(
-    found: Sequence[Event], references: Mapping[str, Mapping[str, Any]]
-) -> dict[Event, Scale]:
-    """Scale of every event."""
-    return {event: scale(event, references) for event in found}
 
 
 def mean_score(cells: Sequence[tuple[Event, Scale]], controller: str) -> Estimate | None:
@@ -156,13 +154,14 @@ class Difference:
 def differences(found: Sequence[Event]) -> list[Difference]:
     """Differences of all controllers in all events; one family of comparisons for Holm.
 
-    The opponent is chosen by the same episodes, which is in its favour.
+    The opponent is chosen by the same episodes, which is in its favour. The controller that does
+    nothing is left out: nobody asks, and a larger family hides what is asked.
     """
     pairs, minus = [], []
     for event in found:
         for name in event.runs if event.best_classical else ():
             seeds = event.finished([name, event.best_classical])
-            if name != event.best_classical and len(seeds) > 1:
+            if name not in (event.best_classical, NOTHING) and len(seeds) > 1:
                 own, best = event.runs[name], event.runs[event.best_classical]
                 pairs.append((event, name))
                 minus.append(own.at(seeds) - best.at(seeds))

@@ -81,7 +81,7 @@ def _board(found: Benchmark, title: str, ranked: Sequence[Place], among: Sequenc
         success = [event.runs[place.controller].middle("success") for event in place.cells]
         rows.append(
             [
-                str(k + 1),
+                str(k + 1) if len(place.cells) == len(ranked[0].cells) else "",
                 place.controller,
                 found.controllers[place.controller],
                 words.score_interval(place.score),
@@ -91,7 +91,8 @@ def _board(found: Benchmark, title: str, ranked: Sequence[Place], among: Sequenc
                 words.share(_mean(success)),
             ]
         )
-    return Grid(title, header, rows, left=3)
+    few = "; without a rank: those that have no score in some cells" if rows[-1][0] == "" else ""
+    return Grid(f"{title}{few}", header, rows, left=3)
 
 
 def _mean(values: Sequence[float | None]) -> float | None:
@@ -157,9 +158,9 @@ def _cell_grid(found: Benchmark, suite: str, among: Sequence[Event]) -> Grid:
         scaled = found.scales[event]
         name = Cell(f"{event.scenario}, {event.ship}", event.anchor)
         scale = f"{scaled.by}, {scaled.source}"
-        rows.append([name, event.tier, *texts, words.score(scaled.optimum), scale])
-    header = ["cell", "tier", *names, "optimum", "scale"]
-    return Grid(f"{suite}: {among[0].measure} unless the cell says else", header, rows, left=2)
+        rows.append([name, event.tier, event.measure, *texts, words.score(scaled.optimum), scale])
+    header = ["cell", "tier", "measure", *names, "optimum", "scale"]
+    return Grid(f"suite {suite}", header, rows, left=3)
 
 
 def _without_number(found: Benchmark) -> list[Grid]:

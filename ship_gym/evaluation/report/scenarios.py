@@ -9,13 +9,13 @@ import numpy as np
 from ship_gym.evaluation.metrics import all_metrics
 from ship_gym.evaluation.report import against, episodes, words
 from ship_gym.evaluation.report.benchmark import Benchmark
-from ship_gym.evaluation.report.events import Event, Run
+from ship_gym.evaluation.report.events import NOTHING, Event, Run
 from ship_gym.plotting.benchmark import Range, plot_pareto, plot_polar
 from ship_gym.plotting.figure import for_page
 from ship_gym.reports.page import Block, Folded, Grid, Heading, Picture, Row, Section, Text
 
 _WEAR = ("rudder_travel", "rudder_reversals")
-_ERRORS = ("J_0.1", "rms_error", "rms_cross_track")  # beside the measure, where a task has them
+_ERRORS = ("J_0.1", "rms_cross_track")  # shown beside the measure, where a task has them
 
 
 def scenarios(found: Benchmark, drawn: Mapping[Event, Row]) -> list[Section]:
@@ -45,9 +45,14 @@ def _part(found: Benchmark, event: Event, drawn: Row | None) -> list[Block]:
         rows = [against.difference_cells(each) for each in judged]
         caption = f"paired difference of {event.measure} [{event.metric.unit}], n = {judged[0].n}"
         blocks.append(Grid(caption, against.HEADER, rows, left=2))
-    blocks.append(Folded("Error against wear, wave heading", [Row(_pictures(found, event))]))
+    wear = _pictures(found, event)
+    title = "Error against wear, wave heading" if len(wear) > len(_WEAR) else "Error against wear"
+    if wear:
+        blocks.append(Folded(title, [Row(wear)]))
     shown = [drawn] if drawn else []
-    blocks.append(Folded("Best, median and worst episodes", [*shown, *episodes.blocks(event)]))
+    blocks.append(
+        Folded("Best, median and worst episodes", [*shown, *episodes.blocks(found, event)])
+    )
     blocks.append(Folded("All metrics", [_all_metrics(event)]))
     return blocks
 
@@ -74,7 +79,8 @@ def _table(found: Benchmark, event: Event) -> Grid:
     wear = [name for name in _WEAR if name in present]
     header = ["controller", f"{event.measure} [{event.metric.unit}]", "score"]
     header += [f"{name} [{units[name].unit}]" for name in (*others, *wear)]
-    header += ["success", "failed", "errors"]
+    broke = any(run.broken.any() for run in event.runs.values())
+    header += ["success", "failed", *(["errors"] if broke else [])]
     rows = []
     for name, run in event.runs.items():
         scored = found.scales[event].estimate(run.estimate)
@@ -82,7 +88,8 @@ def _table(found: Benchmark, event: Event) -> Grid:
         row += [words.number(run.middle(each)) for each in others]
         row += [words.interval(run.of(each)) for each in wear]
         success = run.of("success") if "success" in present else None
-        row += [_rate(success), str(int(run.columns["failed"].sum())), str(int(run.broken.sum()))]
+        row += [_rate(success), str(int(run.columns["failed"].sum()))]
+        row += [str(int(run.broken.sum()))] if broke else []
         rows.append(row)
     caption = "interquartile means with 95 % intervals; success: share of the episodes"
     return Grid(caption, header, rows)
@@ -121,10 +128,11 @@ def _pareto(found: Benchmark, event: Event, wear: str) -> Picture | None:
     for name, run in event.runs.items():
         if (x := _range(run, wear)) is not None and (y := _range(run)) is not None:
             points[name] = x, y
-    if not points:
+    points.pop(NOTHING, None)  # far off, it would press the others together
+    if len(points) < 2:
         return None
     labels = tuple(
-        f"{name.replace('_', ' ')} [{unit}]"
+        f"{name} [{unit}]"
         for name, unit in (
             (wear, all_metrics()[wear].unit),
             (event.measure, event.metric.unit),
@@ -132,12 +140,12 @@ def _pareto(found: Benchmark, event: Event, wear: str) -> Picture | None:
     )
     caption = (
         f"{event.cell}: error against wear with 95 % intervals. The line joins the controllers "
-        "that no other one equals or beats in both."
+        "that no other one equals or beats in both. Without constant."
     )
     return for_page(
         caption,
         lambda path: plot_pareto(points, found.look, labels, path, event.cell),
-        f"pareto_{wear}_{event.scenario}_{event.ship}",
+        f"{wear}_{event.anchor}",
     )
 
 
@@ -152,15 +160,15 @@ def _polar(found: Benchmark, event: Event) -> Picture | None:
         middles, means = against.by_sector(where, run.values[kept])
         if np.isfinite(means).sum() >= against.SPREAD:
             sectors[name] = means
-    if "constant" in sectors and len(sectors) > 1:
-        del sectors["constant"]  # it would hide what the others differ by
+    if len(sectors) > 1:
+        sectors.pop(NOTHING, None)  # it would hide what the others differ by
     if not sectors:
         return None
     label = f"mean {event.measure} [{event.metric.unit}]"
     return for_page(
         f"{event.cell}: {label} by where the waves come from; without constant.",
         lambda path: plot_polar(middles, sectors, found.look, path, event.cell, label),
-        f"waves_{event.scenario}_{event.ship}",
+        f"waves_{event.anchor}",
     )
 
 

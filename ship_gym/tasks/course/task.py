@@ -13,6 +13,7 @@ from ship_gym.physics.angles import wrapped
 from ship_gym.tasks.base import Moment
 from ship_gym.tasks.course import NAME, VERSION
 from ship_gym.tasks.heading.kernels import FROM, ORDER, begin
+from ship_gym.tasks.heading.metrics import ORDERS
 from ship_gym.tasks.heading.task import TASK as HEADING
 
 
@@ -81,6 +82,11 @@ class Orders:
         return np.zeros(len(which)), np.zeros(len(which))
 
 
+def meta(plan) -> dict:
+    """Intervals from which the orders were to hold, as an episode that failed may not reach all."""
+    return {ORDERS: [int(begins) for begins in plan[:, FROM]]}
+
+
 TASK = dataclasses.replace(
     HEADING,
     name=NAME,
@@ -89,6 +95,8 @@ TASK = dataclasses.replace(
     sections={**HEADING.sections, "course": Course},
     plan=Orders,
     begin=begin,
+    meta=meta,
+    headline="settling_time",
     page=Path(__file__).with_name("page.md").read_text(encoding="utf-8"),
     example={"sea.states": ["ss5"], "duration": 1200.0},
     moment=Moment("pid", 1, 330),
