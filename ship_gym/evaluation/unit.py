@@ -165,6 +165,7 @@ def _weather(batch: EpisodeBatch) -> list[dict[str, float | None]]:
     columns |= {"wind_speed": found["wind_speed"], "current_speed": current}
     for name, (size, to) in of.items():
         angle = np.degrees(wrap_angle(batch.tasks["psi_ordered"] - to))
+        angle[angle < 1e-9 - 180.0] += 360.0  # a head sea is one at 180, however it was rounded
         columns[f"{name}_encounter_deg"] = np.where(size > 0.0, angle, math.nan)
     columns["wave_period"] = np.where(found["wave_height"] > 0.0, found["wave_period"], math.nan)
     names = list(columns)
