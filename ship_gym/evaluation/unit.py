@@ -18,7 +18,7 @@ from ship_gym.conventions import polar, wrap_angle
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.registration import load_task
 from ship_gym.evaluation.controller import Controller
-from ship_gym.evaluation.guard import ControllerFailed, Guarded, told
+from ship_gym.evaluation.guard import ControllerFailed, ControllerRefused, Guarded, told
 from ship_gym.evaluation.metrics import metrics
 from ship_gym.evaluation.rollout import Rollout, begin, rollout, weather_of
 from ship_gym.evaluation.suite import Entry
@@ -115,9 +115,9 @@ def sail(unit: Unit) -> Sailed:
         The scenario or the ship cannot be used; whatever a controller does is in the rows.
     """
     start = time.perf_counter()
-    shared = _shared(unit)
-    decision_ms, slow = _timed(unit)
-    rows = _lost(slow) if slow else _sailed(unit, unit.seeds)
+    shared, dt = _begun(unit)
+    decision_ms, slow = _timed(unit, dt)
+    rows = _lost(slow) if slow else _sailed(unit, unit.seeds, dt)
     every = {"decision_ms": decision_ms}
     rows = {seed: shared[seed] | every | row for seed, row in rows.items()}
     return Sailed([rows[seed] for seed in unit.seeds], time.perf_counter() - start)
@@ -126,11 +126,11 @@ def sail(unit: Unit) -> Sailed:
 def lost(unit: Unit, what: str) -> Sailed:
     """Rows of a unit that could not be sailed at all, such as one that ends its process."""
     rows = _lost(ControllerFailed(unit.entrant.name, unit.seeds, -1, what))
-    return Sailed([shared | rows[seed] for seed, shared in _shared(unit).items()], 0.0)
+    return Sailed([shared | rows[seed] for seed, shared in _begun(unit)[0].items()], 0.0)
 
 
-def _shared(unit: Unit) -> dict[int, dict[str, Any]]:
-    """What the rows of a unit say whatever the controller does, by seed."""
+def _begun(unit: Unit) -> tuple[dict[int, dict[str, Any]], float]:
+    """What rows say whatever the controller does, by seed, and the ship's control interval [s]."""
     for task in unit.tasks:
         load_task(task)
     batch = begin(unit.seeds, **unit.env)
@@ -148,7 +148,8 @@ def _shared(unit: Unit) -> dict[int, dict[str, Any]]:
         "error": "",
     }
     weather = zip(unit.seeds, _weather(batch), strict=True)
-    return {seed: {**found, "seed": seed, **row} for seed, row in weather}
+    rows = {seed: {**found, "seed": seed, **row} for seed, row in weather}
+    return rows, float(batch.dt[0])
 
 
 def _weather(batch: EpisodeBatch) -> list[dict[str, float | None]]:
@@ -164,6 +165,7 @@ def _weather(batch: EpisodeBatch) -> list[dict[str, float | None]]:
     columns |= {"wind_speed": found["wind_speed"], "current_speed": current}
     for name, (size, to) in of.items():
         angle = np.degrees(wrap_angle(batch.tasks["psi_ordered"] - to))
+        angle[angle < 1e-9 - 180.0] += 360.0  # a head sea is one at 180, however it was rounded
         columns[f"{name}_encounter_deg"] = np.where(size > 0.0, angle, math.nan)
     columns["wave_period"] = np.where(found["wave_height"] > 0.0, found["wave_period"], math.nan)
     names = list(columns)
@@ -172,7 +174,7 @@ def _weather(batch: EpisodeBatch) -> list[dict[str, float | None]]:
 
 
 def _guarded(unit: Unit, seeds: Sequence[int], dt: float) -> Guarded:
-    """A new controller under guard; dt, the control interval of the ship, is in seconds."""
+    """A new controller under guard; dt is the control interval of the ship [s]."""
     try:
         made = unit.entrant.make()
     except (Exception, SystemExit) as error:
@@ -180,7 +182,7 @@ def _guarded(unit: Unit, seeds: Sequence[int], dt: float) -> Guarded:
     return Guarded(made, seeds, unit.patience * dt)
 
 
-def _timed(unit: Unit) -> tuple[float | None, ControllerFailed | None]:
+def _timed(unit: Unit, dt: float) -> tuple[float | None, ControllerFailed | None]:
     """Mean time of a decision for one ship alone [ms] and, if it is too long, that failure.
 
     The first decision, which may load or compile, does not count. None where the controller fails:
@@ -190,7 +192,7 @@ def _timed(unit: Unit) -> tuple[float | None, ControllerFailed | None]:
     seconds: list[float] = []
     slow = None
     try:
-        guarded = _guarded(unit, unit.seeds[:1], float(batch.dt[0]))
+        guarded = _guarded(unit, unit.seeds[:1], dt)
         guarded.reset(1, batch.ship, batch.scenario)
         seconds = guarded.seconds
         for _ in range(min(_TIMED, batch.scenario.steps)):
@@ -205,15 +207,14 @@ def _timed(unit: Unit) -> tuple[float | None, ControllerFailed | None]:
     return 1e3 * float(np.mean(counted)), slow
 
 
-def _sailed(unit: Unit, seeds: Sequence[int]) -> dict[int, dict[str, Any]]:
+def _sailed(unit: Unit, seeds: Sequence[int], dt: float) -> dict[int, dict[str, Any]]:
     """Rows of some episodes by seed: sailed together if the controller can, else one by one."""
     try:
-        dt = float(begin(seeds[:1], **unit.env).dt[0])
         found = rollout(_guarded(unit, seeds, dt), seeds=seeds, **unit.env)
     except ControllerFailed as failed:
-        if failed.slow or len(seeds) == 1:
+        if failed.slow or isinstance(failed, ControllerRefused) or len(seeds) == 1:
             return _lost(failed)
-        return {seed: row for one in seeds for seed, row in _sailed(unit, [one]).items()}
+        return {seed: row for one in seeds for seed, row in _sailed(unit, [one], dt).items()}
     return {seed: _row(found, i, unit.entry.measure) for i, seed in enumerate(found.seeds)}
 
 
