@@ -53,7 +53,7 @@ def test_other_files_are_refused(tmp_path):
         read_results(tmp_path)
     text = tmp_path / "a.parquet"
     text.write_text("a,b\n")
-    with pytest.raises(ConfigError, match="a.parquet: not a parquet file, or damaged"):
+    with pytest.raises(ConfigError, match=r"a\.parquet: not a parquet file, or damaged"):
         read_results(text)
     parquet.write_table(pa.table({"a": [1]}), text)
     with pytest.raises(ConfigError, match="not of a benchmark"):

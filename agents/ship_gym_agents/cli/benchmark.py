@@ -94,7 +94,8 @@ def _again(suites: tuple[str, ...], options: dict[str, Any]) -> str:
     from ship_gym_agents.cli.output import next_command
 
     usual = {param.name: param.default for param in command.params}
-    given = {name: value for name, value in options.items() if value != usual[name] and value}
+    given = {name: options[name] for name in usual if options.get(name) not in (None, ())}
+    given = {name: value for name, value in given.items() if value != usual[name]}
     return next_command("benchmark", suite=list(suites), **{**given, "out": options["out"]})
 
 
