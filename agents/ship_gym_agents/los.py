@@ -48,7 +48,8 @@ class LOSPID(PID):
         """`count` episodes of `scenario` with `ship` begin together."""
         super().reset(count, ship, scenario)
         track = getattr(scenario, "track", None)  # a task of one's own may have none
-        self._inside = math.inf if track is None else _INSIDE * track.acceptance
+        circle = 0.0 if track is None else track.acceptance
+        self._inside = _INSIDE * circle if circle > 0.0 else math.inf
 
     def _gains_for(self, ship: Ship) -> Gains:
         gains = super()._gains_for(ship)

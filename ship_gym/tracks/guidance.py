@@ -1,16 +1,54 @@
-"""Where a ship is on a leg, the bearing to steer, and when the next leg begins.
+"""Where a ship is on a leg and on the route, the bearing to steer, and when the next leg begins.
 
-Line-of-sight guidance with a look-ahead distance and a circle of acceptance, after Fossen (2011),
-Handbook of Marine Craft Hydrodynamics and Motion Control, section 10.3.
+Cross-track error, look-ahead steering and the circle of acceptance after Fossen (2011), Handbook of
+Marine Craft Hydrodynamics and Motion Control, section 10.3. The distance to the route and the
+bisector of a way-point are plain geometry.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from ship_gym.physics._kernel import kernel
+
+
+class OnRoute(NamedTuple):
+    """Where a ship is on a route, all [m].
+
+    Attributes
+    ----------
+    off : float
+        Distance to the nearest of the previous, the active and the next leg, positive when the
+        ship is to starboard of that leg.
+    cross : float
+        Cross-track error from the active leg, positive to starboard.
+    to_go : float
+        Along the active leg to its end; negative beyond.
+    along_next : float
+        From there along the next leg, negative before; 0 on the last leg.
+    """
+
+    off: float
+    cross: float
+    to_go: float
+    along_next: float
+
+
+@kernel
+def leg_axes(x, y, x_a, y_a, x_b, y_b):
+    """Along [m], cross [m] and length [m] as `leg_position` has them, without the bearing."""
+    dx, dy = x_b - x_a, y_b - y_a
+    length = math.sqrt(dx * dx + dy * dy)
+    cos, sin = 1.0, 0.0
+    if length > 0.0:  # not the cos and sin of the bearing: sin(pi) is not 0
+        cos, sin = dx / length, dy / length
+    along = cos * (x - x_a) + sin * (y - y_a)
+    cross = cos * (y - y_a) - sin * (x - x_a)
+    return along, cross, length
 
 
 @kernel
@@ -35,14 +73,51 @@ def leg_position(x, y, x_a, y_a, x_b, y_b):
     length : float
         Length of the leg [m].
     """
-    dx, dy = x_b - x_a, y_b - y_a
-    length = math.sqrt(dx * dx + dy * dy)
-    cos, sin = 1.0, 0.0
-    if length > 0.0:  # not the cos and sin of the bearing: sin(pi) is not 0
-        cos, sin = dx / length, dy / length
-    along = cos * (x - x_a) + sin * (y - y_a)
-    cross = cos * (y - y_a) - sin * (x - x_a)
-    return along, cross, math.atan2(dy, dx), length
+    along, cross, length = leg_axes(x, y, x_a, y_a, x_b, y_b)
+    return along, cross, math.atan2(y_b - y_a, x_b - x_a), length
+
+
+@kernel
+def on_route(x, y, x_0, y_0, x_a, y_a, x_b, y_b, x_c, y_c):
+    """Position of a ship on the legs about the active one, from a to b.
+
+    Legs are segments: beyond an end the distance is that to the way-point. Only the first leg,
+    while it is active, goes on without end before its start, and the last one beyond its end, so
+    that there the distance is the cross-track error.
+
+    Parameters
+    ----------
+    x, y : float
+        North and east of the ship [m].
+    x_0, y_0 : float
+        Start of the previous leg [m]; a itself if there is none.
+    x_a, y_a, x_b, y_b : float
+        Ends of the active leg [m].
+    x_c, y_c : float
+        End of the next leg [m]; b itself if there is none.
+
+    Returns
+    -------
+    OnRoute
+    """
+    along, cross, length = leg_axes(x, y, x_a, y_a, x_b, y_b)
+    along_0, cross_0, length_0 = leg_axes(x, y, x_0, y_0, x_a, y_a)
+    along_1, cross_1, length_1 = leg_axes(x, y, x_b, y_b, x_c, y_c)
+    before = max(-along, 0.0) if length_0 > 0.0 else 0.0
+    beyond = max(along - length, 0.0) if length_1 > 0.0 else 0.0
+    square, side = cross * cross + before * before + beyond * beyond, cross
+    if length_0 > 0.0:
+        past = max(-along_0, along_0 - length_0, 0.0)
+        other = cross_0 * cross_0 + past * past
+        if other < square:
+            square, side = other, cross_0
+    if length_1 > 0.0:
+        past = max(-along_1, along_1 - length_1, 0.0)
+        other = cross_1 * cross_1 + past * past
+        if other < square:
+            square, side = other, cross_1
+    off = math.copysign(math.sqrt(square), side)
+    return OnRoute(off, cross, length - along, along_1 if length_1 > 0.0 else 0.0)
 
 
 @kernel
@@ -65,25 +140,32 @@ def look_ahead_bearing(bearing, cross, distance):
 
 
 @kernel
-def passed(along, cross, length, radius):
-    """1 if the way-point at the end of the leg is reached or passed, else 0.
+def passed(to_go, along_next, cross, circle):
+    """1 if the way-point at the end of the leg is passed, else 0.
 
-    Reached: within the circle of acceptance (rim included). Passed: abeam or astern of the ship on
-    the leg, so that a ship that misses the circle does not sail on for ever.
+    Passed: across the bisector of the way-point's angle, the line through it that halves the angle
+    between the legs. There the distances to the way-point along both legs are equal,
+    ``to_go = along_next``. On the last leg, where `along_next` is 0, that is abeam of the end.
+    Or within the circle of acceptance (rim included), where there is one.
 
     Parameters
     ----------
-    along, cross, length : float
-        From `leg_position` [m].
-    radius : float
-        Radius of the circle of acceptance [m].
+    to_go, along_next, cross : float
+        From `on_route` [m].
+    circle : float
+        Radius of the circle of acceptance [m]; 0: none.
     """
-    ahead = length - along
-    return 1 if ahead <= 0.0 or ahead * ahead + cross * cross <= radius * radius else 0
+    circled = circle > 0.0 and to_go * to_go + cross * cross <= circle * circle
+    return 1 if to_go <= along_next or circled else 0
 
 
 def cross_track(points: np.ndarray, legs: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Cross-track errors [m] of a voyage, shape (T,).
+    """Cross-track errors from the active leg [m] of a voyage, see `off_route`."""
+    return _voyage(lambda *row: on_route(*row).cross, points, legs, x, y)
+
+
+def off_route(points: np.ndarray, legs: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Distances to the route [m] of a voyage, signed as in `OnRoute`, shape (T,).
 
     Parameters
     ----------
@@ -94,5 +176,11 @@ def cross_track(points: np.ndarray, legs: np.ndarray, x: np.ndarray, y: np.ndarr
     x, y : numpy.ndarray
         Positions north and east [m], shape (T,).
     """
-    ends = np.column_stack([x, y, points[legs], points[np.asarray(legs) + 1]]).tolist()
-    return np.array([leg_position(*row)[1] for row in ends])
+    return _voyage(lambda *row: on_route(*row).off, points, legs, x, y)
+
+
+def _voyage(value: Callable, points, legs, x, y) -> np.ndarray:
+    """`value` of position and way-points, as `on_route` takes them, at each instant."""
+    legs = np.asarray(legs)
+    about = [points[np.clip(legs + k, 0, len(points) - 1)] for k in (-1, 0, 1, 2)]
+    return np.array([value(*row) for row in np.column_stack([x, y, *about]).tolist()])

@@ -92,6 +92,29 @@ class Track:
         """How the track came from the chart: a PROJ definition, or ``"none, metres"``."""
         return "none, metres" if self.origin_deg is None else proj_definition(self.origin_deg)
 
+    def check_turns(self, radius: float) -> Track:
+        """Return the track if a ship with a turning radius [m] can sail it.
+
+        A turn D needs radius tan(|D| / 2) of both its legs. `tracks.generator` draws by this rule.
+
+        Raises
+        ------
+        ConfigError
+            Names the first leg too short for the turns at its ends, with both lengths.
+        """
+        turns = np.concatenate([[0.0], np.abs(self.course_changes), [0.0]])
+        need = radius * np.tan(0.5 * turns)
+        need = need[:-1] + need[1:]
+        lengths = self.leg_lengths
+        for i in np.flatnonzero(lengths < need * (1.0 - 1e-9))[:1]:
+            before, after = np.degrees(turns[i : i + 2])
+            raise ConfigError(
+                f"track: the leg from way-point {i} to {i + 1} is {lengths[i]:.0f} m long; turns "
+                f"of {before:.0f} and {after:.0f} deg at its ends need {need[i]:.0f} m at a "
+                f"turning radius of {radius:.0f} m"
+            )
+        return self
+
     def scaled(self, factor: float) -> Track:
         """The same track `factor` times as large, about north = east = 0.
 

@@ -34,10 +34,11 @@ RANGES = [
     ("track_following", "track.turn_max_deg", 0.0, 150.0),
     ("track_following", "track.leg_max", 0.1, 1000.0),
     ("track_following", "track.turn_radius", 1e-3, 100.0),
-    ("track_following", "track.acceptance", 0.1, 20.0),
+    ("track_following", "track.acceptance", 0.0, 20.0),
     ("track_following", "track.look_ahead", 0.1, 100.0),
     ("track_following", "start.cross_track", 0.0, 100.0),
     ("track_following", "limits.cross_track", 0.1, 100.0),
+    ("track_following", "limits.corridor", 0.1, 100.0),
 ]
 # what must fit a value at its end
 BESIDE = {

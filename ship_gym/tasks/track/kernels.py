@@ -13,11 +13,19 @@ from ship_gym.physics.angles import cos_sin, wrapped
 from ship_gym.tasks.base import RUNNING, Outcome, Row, Term, check_names
 from ship_gym.tasks.bridge import N_BRIDGE, clipped, observe_bridge, settle
 from ship_gym.tasks.rewards import costs
-from ship_gym.tracks.guidance import leg_position, look_ahead_bearing, passed
+from ship_gym.tracks.guidance import leg_axes, leg_position, look_ahead_bearing, on_route, passed
 
-TRACK_LIMIT, ARRIVED = 2, 3  # outcomes
-TERMS = (Term("cross_track", "(e / L)^2", "Of (e / L)^2."),)
-OUTCOMES = (Outcome("cross-track limit", failed=True), Outcome("arrived", reached=True))
+TRACK_LIMIT, MISSED, STRAYED, ARRIVED = 2, 3, 4, 5  # outcomes
+TERMS = (Term("cross_track", "(e / L)^2", "Of (e / L)^2, e the distance to the route."),)
+OUTCOMES = (
+    Outcome("cross-track limit", failed=True),
+    Outcome("missed the end", failed=True),  # passed it outside the corridor
+    Outcome("arrived, corridor left"),  # somewhere on the way
+    Outcome("arrived", reached=True),
+)
+AT_THE_END = (OUTCOMES[STRAYED - 2].name, OUTCOMES[ARRIVED - 2].name)  # of a voyage sailed to it
+OUTSIDE, KEPT, LEFT = 0, 1, 2  # corridor: not within it since the start, within ever since, left
+LARGEST_CIRCLE = 0.25  # circle of acceptance over the shorter of the legs that meet in it
 # behind those of the bridge; psi_e there is heading - bearing of the active leg
 OBSERVATIONS = (
     Row(
@@ -58,13 +66,20 @@ OBSERVATIONS = (
 FIELDS = (
     ("active", np.int64),  # active leg, and how many way-points there are
     ("count", np.int64),
-    ("cross_limit", np.float64),  # error that ends the episode [m]
+    ("cross_limit", np.float64),  # distance to the route that ends the episode [m]
+    ("corridor", np.float64),  # distance to the route that success allows [m]
+    ("kept", np.int64),  # OUTSIDE, KEPT or LEFT
+    ("x_0", np.float64),  # start of the previous leg, or of the first [m]
+    ("y_0", np.float64),
     ("x_a", np.float64),  # ends of the active leg [m]
     ("y_a", np.float64),
     ("x_b", np.float64),
     ("y_b", np.float64),
-    ("turn", np.float64),  # course change at its end [rad]
-    ("acceptance", np.float64),  # [m]
+    ("x_c", np.float64),  # end of the next leg, or of the last [m]
+    ("y_c", np.float64),
+    ("turn", np.float64),  # course change at the end of the active leg [rad]
+    ("acceptance", np.float64),  # circle that the scenario gives, and what counts of it [m]
+    ("circle", np.float64),
     ("look_ahead", np.float64),  # [m]
 )
 
@@ -106,9 +121,8 @@ def observe_track(seen, state, task, row):
 
     The rate of the cross-track error is that of a satellite receiver: over ground, exact.
     """
-    along, cross, bearing, length = leg_position(
-        seen.north, seen.east, task.x_a, task.y_a, task.x_b, task.y_b
-    )
+    along, cross, length = leg_axes(seen.north, seen.east, task.x_a, task.y_a, task.x_b, task.y_b)
+    bearing = task.psi_ordered
     cos_leg, sin_leg = cos_sin(state[PSI] - bearing)
     rate = state[U] * sin_leg + state[V] * cos_leg
     cos_ahead, sin_ahead = cos_sin(seen.psi - look_ahead_bearing(bearing, cross, task.look_ahead))
@@ -127,52 +141,88 @@ def observe_track(seen, state, task, row):
 @kernel
 def sail_leg(task, plan, k):
     """Make leg k of the way-points (points, 2) north and east [m] the active one."""
+    last = task.count - 1
+    before, after = max(k - 1, 0), min(k + 2, last)
     task.active = k
+    task.x_0, task.y_0 = plan[before, 0], plan[before, 1]
     task.x_a, task.y_a = plan[k, 0], plan[k, 1]
     task.x_b, task.y_b = plan[k + 1, 0], plan[k + 1, 1]
-    _, _, bearing, _ = leg_position(task.x_a, task.y_a, task.x_a, task.y_a, task.x_b, task.y_b)
+    task.x_c, task.y_c = plan[after, 0], plan[after, 1]
+    _, _, bearing, length = leg_position(task.x_a, task.y_a, task.x_a, task.y_a, task.x_b, task.y_b)
     task.psi_ordered = bearing
-    task.turn = 0.0
-    if k + 2 < task.count:
-        x_c, y_c = plan[k + 2, 0], plan[k + 2, 1]
-        _, _, after, _ = leg_position(task.x_b, task.y_b, task.x_b, task.y_b, x_c, y_c)
-        task.turn = wrapped(after - bearing)
+    task.turn, task.circle = 0.0, 0.0
+    if k + 1 < last:
+        _, _, after_it, next_length = leg_position(
+            task.x_b, task.y_b, task.x_b, task.y_b, task.x_c, task.y_c
+        )
+        task.turn = wrapped(after_it - bearing)
+        task.circle = min(task.acceptance, LARGEST_CIRCLE * min(length, next_length))
 
 
 @kernel
-def off_leg(state, task):
-    """Cross-track error [m] of one ship from its active leg, positive to starboard of it."""
-    return leg_position(state[X], state[Y], task.x_a, task.y_a, task.x_b, task.y_b)[1]
+def where(state, task):
+    """Position of one ship on its route, `OnRoute`."""
+    return on_route(
+        state[X],
+        state[Y],
+        task.x_0,
+        task.y_0,
+        task.x_a,
+        task.y_a,
+        task.x_b,
+        task.y_b,
+        task.x_c,
+        task.y_c,
+    )
+
+
+@kernel
+def off_route(state, task):
+    """Distance [m] of one ship to its route, positive to starboard of the nearest leg."""
+    return where(state, task).off
+
+
+@kernel
+def outcome_of(off, cross, at_end, task):
+    """Outcome of an interval, from the distance to the route and that across the last leg [m]."""
+    if abs(off) > task.cross_limit:
+        return TRACK_LIMIT
+    if not at_end:
+        return RUNNING
+    if abs(cross) > task.corridor:
+        return MISSED
+    return ARRIVED if task.kept == KEPT else STRAYED
 
 
 @kernel
 def judge(state, before, sea, task, plan, terms, result):
     """Terms (n,) and result of the interval just sailed by one ship, the error [m] in it.
 
-    It is judged by the leg that was active during it; then the next leg begins where the ship has
-    reached the circle of acceptance or passed the way-point, and the error in the result is that
-    from this one, as in the observation. Reaching the last way-point ends the episode as arrived.
+    The error is the distance to the route. It is judged by the leg that was active during it; then
+    the next leg begins where the way-point is passed. Passing the last one ends the episode.
     """
-    along, cross, _, length = leg_position(
-        state[X], state[Y], task.x_a, task.y_a, task.x_b, task.y_b
-    )
-    reached = passed(along, cross, length, task.acceptance) == 1
+    here = where(state, task)
+    reached = passed(here.to_go, here.along_next, here.cross, task.circle) == 1
     last = task.active + 2 >= task.count
-    outcome = ARRIVED if reached and last else RUNNING
-    if abs(cross) > task.cross_limit:
-        outcome = TRACK_LIMIT
-    error = cross / task.L
+    if abs(here.off) > task.corridor:
+        task.kept = LEFT if task.kept == KEPT else task.kept
+    elif task.kept == OUTSIDE:
+        task.kept = KEPT
+    outcome = outcome_of(here.off, here.cross, reached and last, task)
+    error = here.off / task.L
     own = TrackTerms(cross_track=-task.interval * task.cross_track * error * error)
-    paid = costs(state, before, sea, task, outcome == TRACK_LIMIT)
-    settle(result, terms, cross, own, paid, outcome, task)
+    failed = outcome == TRACK_LIMIT or outcome == MISSED
+    paid = costs(state, before, sea, task, failed)
+    settle(result, terms, here.off, own, paid, outcome, task)
     if reached and not last:
         sail_leg(task, plan, task.active + 1)
-        result.error = off_leg(state, task)
+        result.error = off_route(state, task)
 
 
 @kernel
 def begin(task, plan):
     """Begin the first leg of an episode, whose plan is written."""
+    task.kept = OUTSIDE
     sail_leg(task, plan, 0)
 
 

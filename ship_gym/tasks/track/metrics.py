@@ -1,34 +1,66 @@
-"""Metrics of a track: cross-track error and time."""
+"""Metrics of a track: distance to the route, cross-track error, corridor and time."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.tasks.base import Metric
 from ship_gym.tasks.measures import rms, sailed_time, to_the_end
-from ship_gym.tasks.track.kernels import OUTCOMES
-from ship_gym.tracks.guidance import cross_track
+from ship_gym.tasks.track.kernels import AT_THE_END
+from ship_gym.tracks.guidance import cross_track, off_route
 
 METRICS: dict[str, Metric] = {
-    "rms_cross_track": Metric("L", "root mean square of the cross-track error", "lower"),
+    "rms_route": Metric(
+        "L",
+        "root mean square of the distance to the route, the nearest of the previous, the active "
+        "and the next leg",
+        "lower",
+    ),
+    "max_route": Metric("L", "largest distance to the route, start included", "lower"),
+    "corridor": Metric(
+        "-",
+        "share of the intervals within the corridor, from the first within it on; of what a "
+        "failure left unsailed: outside",
+        "higher",
+    ),
+    "rms_cross_track": Metric(
+        "L", "root mean square of the cross-track error from the active leg", "lower"
+    ),
     "max_cross_track": Metric("L", "largest absolute cross-track error, start included", "lower"),
-    "voyage_time": Metric("s", "until arrival; if there is none, the planned duration", "lower"),
+    "voyage_time": Metric(
+        "s", "until the end is passed in the corridor; if never, the planned duration", "lower"
+    ),
 }
 
 
 def measure(trajectory: Trajectory) -> dict[str, float]:
     """Values of `METRICS`."""
     meta = trajectory.meta
-    L = meta["ship"]["L"]
-    legs = trajectory["leg"][:-1].astype(int)
-    ends = cross_track(np.array(meta["waypoints"]), legs, trajectory["x"][1:], trajectory["y"][1:])
-    arrived = meta["outcome"] == OUTCOMES[-1].name
-    judged = to_the_end(trajectory, ends / L, meta["config"]["limits"]["cross_track"])
+    L, limits = meta["ship"]["L"], meta["config"]["limits"]
+    voyage = (
+        np.array(meta["waypoints"]),
+        trajectory["leg"][:-1].astype(int),
+        trajectory["x"][1:],
+        trajectory["y"][1:],
+    )
+    off, cross = off_route(*voyage) / L, cross_track(*voyage) / L
+    start = abs(trajectory["cross_track_error"][0]) / L  # on the first leg that is both
+    at_end = meta["outcome"] in AT_THE_END
     return {
-        "rms_cross_track": rms(judged),
-        "max_cross_track": float(
-            max(np.abs(ends).max(), abs(trajectory["cross_track_error"][0])) / L
-        ),
-        "voyage_time": float(sailed_time(trajectory) if arrived else meta["config"]["duration"]),
+        "rms_route": rms(to_the_end(trajectory, off, limits["cross_track"])),
+        "max_route": float(max(np.abs(off).max(), start)),
+        "corridor": _kept(to_the_end(trajectory, off, math.inf), limits["corridor"]),
+        "rms_cross_track": rms(to_the_end(trajectory, cross, limits["cross_track"])),
+        "max_cross_track": float(max(np.abs(cross).max(), start)),
+        "voyage_time": float(sailed_time(trajectory) if at_end else meta["config"]["duration"]),
     }
+
+
+def _kept(off: np.ndarray, corridor: float) -> float:
+    """Share of the distances within the corridor, from the first of them on; 0 if none is."""
+    within = np.abs(off) <= corridor
+    first = int(np.argmax(within))
+    return float(within[first:].mean()) if within[first] else 0.0

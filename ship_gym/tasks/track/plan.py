@@ -6,11 +6,13 @@ import math
 
 import numpy as np
 
+from ship_gym.config import ConfigError
 from ship_gym.physics.angles import north_east
 from ship_gym.tasks.track.kernels import place_batch
 from ship_gym.tracks.files import load_track
 from ship_gym.tracks.generator import n_draws, random_points
 from ship_gym.tracks.shapes import SHAPES
+from ship_gym.tracks.track import Track
 
 
 class Tracks:
@@ -24,6 +26,7 @@ class Tracks:
         self._range, self._L = scenario.track, np.array([ship.hull.L for ship in ships])
         self._aside = scenario.start.cross_track
         self._points = self._fixed_points()
+        self._check_turns()
         random = self._range.kind == "random"
         self._n_random = n_draws(self._range.legs) if random else 0
         rows = self._range.legs + 1 if random else len(self._points)
@@ -38,6 +41,19 @@ class Tracks:
         if kind == "points":
             return load_track(self._range.file or list(self._range.points)).points
         return np.asarray(SHAPES[kind])
+
+    def _check_turns(self) -> None:
+        """Refuse a given track that one of the ships cannot sail."""
+        if self._points is None or self._range.any_turns:
+            return
+        unit = 1.0 if self._range.kind == "points" else self._L.max()
+        try:
+            Track(self._points * unit).check_turns(self._range.turn_radius * self._L.max())
+        except ConfigError as error:
+            raise ConfigError(
+                f"{error} (track.turn_radius = {self._range.turn_radius:g} L): lengthen the leg, "
+                "turn less, or set track.any_turns"
+            ) from None
 
     def make(self, which, uniform, order, plans, tasks):
         """See ``tasks.base.Plan``."""

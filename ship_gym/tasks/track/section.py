@@ -26,10 +26,13 @@ class TrackRange:
     turn_max_deg : float
         Largest course change.
     turn_radius : float
-        Radius of a turn that the ship can follow [L]; course changes are limited so that a turn
-        fits between its neighbours.
+        Radius of a turn that the ship can follow [L]; course changes of a random track are limited
+        so that a turn fits between its neighbours, and a given track is refused where none fits.
+    any_turns : bool
+        Sail a given track even so.
     acceptance : float
-        Radius of the circle about a way-point in which the next leg begins [L].
+        Radius of a circle about a way-point in which the next leg begins too [L], at most a quarter
+        of the shorter leg that ends there, and none at the last; 0: only across the bisector.
     look_ahead : float
         Distance of the point on the leg that the look-ahead error aims at [L].
     points : tuple of tuples of float
@@ -47,7 +50,8 @@ class TrackRange:
     leg_max: float = 15.0
     turn_max_deg: float = 90.0
     turn_radius: float = 3.0
-    acceptance: float = 2.0
+    any_turns: bool = False
+    acceptance: float = 0.0
     look_ahead: float = 3.0
     points: tuple[tuple[float, ...], ...] = ()
     file: str = ""
@@ -60,7 +64,7 @@ class TrackRange:
             "leg_min": (0.1, self.leg_max, "L"),
             "turn_max_deg": (0.0, 150.0, "deg"),
             "turn_radius": (1e-3, 100.0, "L"),
-            "acceptance": (0.1, 20.0, "L"),
+            "acceptance": (0.0, 20.0, "L"),
             "look_ahead": (0.1, 100.0, "L"),
         }
         check_fields("track", self, ranges)
@@ -100,10 +104,14 @@ class Limits:
     Attributes
     ----------
     cross_track : float
-        Distance from the active leg [L].
+        Distance from the route, the nearest of the previous, the active and the next leg [L].
+    corridor : float
+        The same, but leaving it only costs the success; passing the end outside it is failing [L].
     """
 
     cross_track: float = 5.0
+    corridor: float = 1.5
 
     def __post_init__(self):
-        check_fields("limits", self, {"cross_track": (0.1, 100.0, "L")})
+        allowed = (0.1, 100.0, "L")
+        check_fields("limits", self, {"cross_track": allowed, "corridor": allowed})

@@ -13,12 +13,13 @@ from ship_gym.tasks.track import NAME, VERSION, kernels
 from ship_gym.tasks.track.metrics import METRICS, measure
 from ship_gym.tasks.track.plan import Tracks
 from ship_gym.tasks.track.section import Limits, Start, TrackRange
-from ship_gym.tracks.guidance import cross_track
+from ship_gym.tracks.guidance import cross_track, off_route
 
 
 def fill(scenario, tasks) -> None:
-    """Write limit, circle of acceptance and look-ahead distance [m]."""
+    """Write limit, corridor, circle of acceptance and look-ahead distance [m]."""
     tasks["cross_limit"] = scenario.limits.cross_track * tasks["L"]
+    tasks["corridor"] = scenario.limits.corridor * tasks["L"]
     tasks["acceptance"] = scenario.track.acceptance * tasks["L"]
     tasks["look_ahead"] = scenario.track.look_ahead * tasks["L"]
 
@@ -33,19 +34,20 @@ def check(scenario) -> None:
 
 
 def info(episodes) -> dict[str, np.ndarray]:
-    """Cross-track error [m] and active leg."""
+    """Distance to the route [m] and active leg."""
     return {"cross_track": episodes.errors, "leg": episodes.tasks["active"]}
 
 
 def columns(recorded, history, plan) -> dict[str, np.ndarray]:
     """Bearing of the active leg, its number and the errors of a recording."""
     psi, leg = history["psi_ordered"], history["active"]
-    error = cross_track(plan, leg.astype(int), recorded["x"], recorded["y"])
+    voyage = plan, leg.astype(int), recorded["x"], recorded["y"]
     return {
         "psi_ordered": psi,
         "psi_error": wrap_angle(recorded["psi"] - psi),
         "leg": leg,
-        "cross_track_error": error,
+        "cross_track_error": cross_track(*voyage),
+        "off_route": off_route(*voyage),
     }
 
 
@@ -68,12 +70,14 @@ def scene(episodes, i) -> dict:
 
 def succeeds(scenario) -> str:
     """What ends an episode as reached."""
-    return f"last way-point reached, within {scenario.track.acceptance:g} L or abeam"
+    limit = scenario.limits.corridor
+    return f"last way-point abeam within {limit:g} L; a success if never farther off the route"
 
 
 def fails(scenario) -> str:
     """What ends an episode as failed."""
-    return f"cross-track error beyond {scenario.limits.cross_track:g} L"
+    limits = scenario.limits
+    return f"{limits.cross_track:g} L off the route, or at its end {limits.corridor:g} L aside"
 
 
 TASK = Task(
@@ -90,18 +94,19 @@ TASK = Task(
     begin=kernels.begin,
     observe=kernels.observe,
     judge=kernels.judge,
-    error=kernels.off_leg,
+    error=kernels.off_route,
     sees_position=True,
     check=check,
     info=info,
-    info_text="`leg`, the active one, and `cross_track`, the error from it [m], also after a reset",
+    info_text="`leg`, the active one, and `cross_track`, the distance to the route [m], to "
+    "starboard positive, also after a reset",
     history=("psi_ordered", "active"),
     columns=columns,
     meta=meta,
-    plots=(Plot("cross_track", "Cross-track error [m]", ("cross_track_error",)),),
+    plots=(Plot("cross_track", "Cross-track error [m]", ("cross_track_error", "off_route")),),
     metrics=METRICS,
     measure=measure,
-    headline="rms_cross_track",
+    headline="rms_route",
     controllers=("ilos", "los_pid"),
     scene=scene,
     succeeds=succeeds,
