@@ -15,12 +15,14 @@ from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym_agents.los import ILOS, LOSPID
 from ship_gym_agents.pid import PID, load_gains
 from ship_gym_agents.plugins import is_own, own_controller
+from ship_gym_agents.speed_keeping import JustInTime
 
 CONTROLLERS: dict[str, Callable[[], Controller]] = {
     "constant": ConstantController,
     "pid": PID,
     "los_pid": LOSPID,
     "ilos": ILOS,
+    "just_in_time": JustInTime,
 }
 PRETRAINED = Path(__file__).parent / "pretrained"
 
