@@ -33,6 +33,7 @@ _PUBLIC = {
     "available_seas": "ship_gym.sea.state",
     "available_ships": "ship_gym.ships.files",
     "available_surrogates": "ship_gym.ships.loader",
+    "linearise": "ship_gym.linear",
     "load_scenario": "ship_gym.scenarios.scenario",
     "load_sea": "ship_gym.sea.state",
     "load_ship": "ship_gym.ships.loader",

@@ -12,9 +12,13 @@ from typing import Any
 
 from ship_gym.config import ConfigError, check_known
 from ship_gym.evaluation.controller import ConstantController, Controller
+from ship_gym.ships import load_ship
+from ship_gym_agents.drift_los import DriftLOS
+from ship_gym_agents.gains_files import kind_of, load_gains, tuned_file
 from ship_gym_agents.los import ILOS, LOSPID
-from ship_gym_agents.pid import PID, load_gains
-from ship_gym_agents.plugins import is_own, own_controller
+from ship_gym_agents.lqg import LQG
+from ship_gym_agents.pid import PID
+from ship_gym_agents.plugins import is_own, load_object, own_controller
 from ship_gym_agents.speed_keeping import JustInTime
 
 CONTROLLERS: dict[str, Callable[[], Controller]] = {
@@ -22,7 +26,9 @@ CONTROLLERS: dict[str, Callable[[], Controller]] = {
     "pid": PID,
     "los_pid": LOSPID,
     "ilos": ILOS,
+    "drift_los": DriftLOS,
     "just_in_time": JustInTime,
+    "lqg": LQG,
 }
 PRETRAINED = Path(__file__).parent / "pretrained"
 
@@ -33,14 +39,16 @@ def pretrained() -> list[str]:
 
 
 def make_controller(name_or_path: str | Path) -> Controller:
-    """A controller or shipped policy by name; a policy, a PID or a user's own by its file.
+    """A controller or shipped policy by name; a policy, gains or a user's own by its file.
 
     Parameters
     ----------
     name_or_path : str or path
-        A key of `CONTROLLERS`; one of `pretrained()`; the path of a ``.toml`` file of PID gains;
-        the folder or ``.zip`` file of a policy trained by ``ship-gym train``; or
-        ``"file.py:Name"``: a controller of one's own, its class or what makes it.
+        A key of `CONTROLLERS`; ``"name@ship"``: that controller with the gains of this ship,
+        whatever ship sails; one of `pretrained()`; the path of a ``.toml`` file of gains, which
+        names its controller; the folder or ``.zip`` file of a policy trained by
+        ``ship-gym train``; or ``"file.py:Name"``: a controller of one's own, its class or what
+        makes it.
 
     Raises
     ------
@@ -51,7 +59,10 @@ def make_controller(name_or_path: str | Path) -> Controller:
     if is_own(name):
         return own_controller(name)
     if path.suffix == ".toml":
-        return PID(load_gains(path).gains, name=path.stem)
+        kind = controller_class(kind_of(path))
+        return kind(load_gains(path, kind).gains, name=path.stem)
+    if "@" in name and not path.exists():
+        return _with_gains_of(*name.rsplit("@", 1))
     shipped = name in pretrained()
     if shipped or (name not in CONTROLLERS and path.exists()):
         # Late: the import of this package is light, and an autopilot needs nothing of sb3.
@@ -63,6 +74,34 @@ def make_controller(name_or_path: str | Path) -> Controller:
     if path.suffix or len(path.parts) > 1:
         raise ConfigError(f"{name}: no such policy; train one with: ship-gym train")
     return CONTROLLERS[check_known("controller", name, [*CONTROLLERS, *pretrained()])]()
+
+
+def controller_class(name: str) -> type:
+    """The class of a controller with gains: a key of `CONTROLLERS` or one's own ``file.py:Class``.
+
+    Raises
+    ------
+    ConfigError
+        There is none, or it has no gains that differ from ship to ship.
+    """
+    if is_own(name):
+        found = load_object(name)
+    else:
+        check_known("controller", name, [*CONTROLLERS, *pretrained()])
+        found = CONTROLLERS.get(name)
+    if not hasattr(found, "KIND"):
+        able = [key for key, one in CONTROLLERS.items() if hasattr(one, "KIND")]
+        raise ConfigError(f"controller {name!r} has no gains; allowed are {', '.join(able)}")
+    return found
+
+
+def _with_gains_of(name: str, ship: str) -> Controller:
+    """A controller with the gains of a ship, whatever ship sails."""
+    found = controller_class(name)
+    foreign = load_ship(ship)
+    gains_for = getattr(found, "gains_for", None)  # a controller of one's own may have none
+    gains = gains_for(foreign) if gains_for else tuned_file(foreign, found).gains
+    return found(gains, name=f"{name}@{ship}")
 
 
 def trained_for(controller: Controller) -> dict[str, Any]:

@@ -8,17 +8,20 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import ClassVar
 
 import numpy as np
 
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.columns import View
-from ship_gym_agents.pid import PID, Gains
-from ship_gym_agents.reference import Reference
+from ship_gym_agents.gains_files import find_gains
+from ship_gym_agents.pid import PID, Gains, gains_of
+from ship_gym_agents.reference import Guidance, Reference
 
 # For gains without a reference model: saves kcs some 8 % of the rudder's travel. Radius 2.5 L.
 _TURNS = Reference(frequency=3.0, rate_limit=0.4)
+_HELMSMAN = ("K_p", "K_d", "K_v", "K_b")
 _INSIDE = 0.8  # how near to the way-point the turn passes, over the circle of acceptance
 
 
@@ -26,20 +29,54 @@ class LOSPID(PID):
     """PID with line-of-sight guidance: the wanted heading is ``-atan(e / look_ahead)`` off the leg.
 
     Look-ahead steering, Fossen (2021), Handbook of Marine Craft Hydrodynamics and Motion Control,
-    2nd ed., chapter 12. The turn at a way-point begins ``turn_radius tan(|d_chi| / 2)`` before it,
-    where the circle of that radius leaves the leg, unless the environment names the next leg
-    earlier. From there the next leg is the one to reach. A turn so sharp that this circle would
+    2nd ed., chapter 12. The turn at a way-point begins ``turn_radius tan(|d_chi| / 2) + reach``
+    before it, where the circle of that radius leaves the leg, unless the environment names the next
+    leg earlier. From there the next leg is the one to reach. A turn so sharp that this circle would
     miss the circle of acceptance is begun later.
 
     Parameters
     ----------
     gains : Gains, optional
-        With guidance; the tuned gains of the ship if omitted. Without a reference model in them, a
-        moderate one is taken.
+        With guidance; the gains of this guidance tuned for the ship if omitted, else those of its
+        heading autopilot. Without a reference model in them, a moderate one is taken.
     name : str
     """
 
     needs = (*PID.needs, "cross_track", "to_go", "next_turn")
+    KIND: ClassVar[str] = "los_pid"
+    # A start of None: as in the tuned gains of the heading autopilot.
+    TUNED: ClassVar[dict[str, tuple[float, float, float | None]]] = {
+        "guidance.look_ahead": (0.5, 12.0, None),
+        "guidance.turn_radius": (0.5, 12.0, None),
+        "guidance.reach": (-1.0, 3.0, None),
+        "reference.frequency": (0.8, 16.0, None),
+        "reference.rate_limit": (0.1, 2.0, None),
+        **{name: (*PID.TUNED[name][:2], None) for name in _HELMSMAN},
+    }
+
+    @classmethod
+    def first_gains(cls, ship: Ship) -> Gains:
+        """Those tuned for the heading, with a reference model and moderate guidance."""
+        gains = gains_of(ship)
+        return dataclasses.replace(gains, reference=gains.reference or _TURNS, guidance=Guidance())
+
+    @classmethod
+    def gains_for(cls, ship: Ship) -> Gains:
+        """The gains of this guidance tuned for a ship, else those to begin at."""
+        if find_gains(ship.name, cls.KIND) is None:
+            return cls.first_gains(ship)
+        return super().gains_for(ship)
+
+    @classmethod
+    def structures(cls, ship: Ship) -> dict[str, tuple[Gains, tuple[str, ...]]]:
+        """The guidance alone, then with the feedback of the heading autopilot too."""
+        first = cls.first_gains(ship)
+        guidance = tuple(name for name in cls.TUNED if name not in _HELMSMAN)
+        helmsman = _HELMSMAN if first.observer is not None else _HELMSMAN[:3]
+        return {
+            "guidance": (first, guidance),
+            "guidance and helmsman": (first, (*guidance, *helmsman)),
+        }
 
     def __init__(self, gains: Gains | None = None, name: str = "los_pid"):
         super().__init__(gains, name)
@@ -61,12 +98,12 @@ class LOSPID(PID):
 
     def _leg(self, seen: View) -> tuple[np.ndarray, np.ndarray]:
         """Bearing [rad, from the active leg] of and error across the leg to reach, (count,)."""
-        cross, to_go = seen.cross_track, seen.to_go
+        cross, to_go, p = seen.cross_track, seen.to_go, self._g.guidance
         turn = seen.next_turn * math.pi
         half = 0.5 * np.maximum(np.abs(turn), 1e-6)
         # A circle of radius R passes the way-point at R (1 / cos(half) - 1).
         reach = np.minimum(
-            self._g.guidance.turn_radius * np.tan(half), self._inside / np.tan(0.5 * half)
+            p.turn_radius * np.tan(half) + p.reach, self._inside / np.tan(0.5 * half)
         )
         over = (turn != 0.0) & (to_go <= reach)
         turn = np.where(over, turn, 0.0)
@@ -83,6 +120,12 @@ class ILOS(LOSPID):
     grows, so it does not wind up. At a new leg, of the drift that z stands for the part across
     that leg is kept.
     """
+
+    KIND: ClassVar[str] = "ilos"
+    TUNED: ClassVar[dict[str, tuple[float, float, float | None]]] = {
+        "guidance.integral": (0.005, 5.0, None),
+        **LOSPID.TUNED,
+    }
 
     def __init__(self, gains: Gains | None = None, name: str = "ilos"):
         super().__init__(gains, name)

@@ -1,29 +1,32 @@
 """PID heading autopilot with non-dimensional gains, which carry over to a scaled ship.
 
-Order of work in `PID.act`: did the order change (module ``reference``), what of the measured motion
-counts (``wave_filter``), which heading to be at now (``reference``), rudder angle.
+What it shares with other autopilots, filter and reference model: ``ship_gym_agents.autopilot``.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-import os
 from pathlib import Path
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
-from ship_gym.config import ConfigError, build, read_toml
-from ship_gym.conventions import wrap_angle
-from ship_gym.evaluation.controller import ConstantController
+from ship_gym.config import ConfigError
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
-from ship_gym.tasks.columns import View, action_columns, observation_columns
-from ship_gym_agents.reference import Guidance, OrderWatch, Reference, ReferenceModel
-from ship_gym_agents.wave_filter import LowPass, Observer, check_gains
+from ship_gym.tasks.columns import View
+from ship_gym_agents import gains_files
+from ship_gym_agents.autopilot import Autopilot, wrapped
+from ship_gym_agents.gains_files import GainsFile
+from ship_gym_agents.reference import Guidance, Reference
+from ship_gym_agents.wave_filter import LowPass, Observer, check_gains, identify
 
-GAINS = Path(__file__).parent / "gains"
+_FEEDBACK = ("K_p", "K_d", "K_v")
+_OBSERVER = (*_FEEDBACK, "K_b", "observer.sway_noise", "observer.yaw_noise", "observer.bias_noise")
+# Of the measured heading and sway over the yaw rate: about what waves of sea state 5 make of them
+# and what sensors add. Free, they brought nothing.
+_ERRORS = {"heading_error": 0.05, "sway_error": 0.25}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,7 +46,8 @@ class Gains:
         Rudder angle by the integral of the heading error over t' = t U0 / L [rad / rad].
     K_v : float
         Rudder angle by sway velocity through the water [rad]; 0: a plain PID. Negative: the sway
-        of a turn, which is away from it, calls for counter rudder early.
+        of a turn, which is away from it, calls for counter rudder early. Where it does, K_d may
+        be negative too.
     K_b : float
         Rudder angle by the rudder bias b that an observer estimates [rad / rad]; 0 without one.
     error_limit : float
@@ -68,79 +72,29 @@ class Gains:
     guidance: Guidance = dataclasses.field(default_factory=Guidance)
 
     def __post_init__(self):
-        check_gains("gains", self, signed=("K_v",))
+        check_gains("gains", self, signed=("K_d", "K_i", "K_v", "K_b"))
         if self.low_pass is not None and self.observer is not None:
             raise ConfigError("gains: low_pass and observer are both given; allowed is one filter")
         if self.observer is None and np.any(np.asarray(self.K_b) != 0.0):
             raise ConfigError(f"gains.K_b = {self.K_b}: allowed is 0 without an observer")
 
-
-@dataclasses.dataclass(frozen=True)
-class GainsFile:
-    """A file of gains: what they are for and how they were found."""
-
-    ship: str
-    gains: Gains
-    tuning: dict[str, Any]
-    versions: dict[str, str]
-
-
-def gains_path(ship: str) -> Path:
-    """File of the tuned gains of a ship of the package."""
-    return GAINS / f"pid_{ship}.toml"
-
-
-def own_gains() -> Path:
-    """Folder of a user's gains for ships that the package has none for."""
-    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(data) / "ship_gym" / "gains"
-
-
-def place_for_gains(ship: str) -> Path:
-    """Where newly tuned gains of a ship belong: the package of a checkout, else `own_gains`.
-
-    Raises
-    ------
-    ConfigError
-        An installed package has gains of this ship: what `pid` means there stays the same.
-    """
-    path = gains_path(ship)
-    if (GAINS.parents[2] / "pyproject.toml").is_file():
-        return path
-    if path.is_file():
-        raise ConfigError(
-            f"ship {ship!r} comes with gains in the installed package; name a file for yours: "
-            f"--out runs/{path.name}"
-        )
-    return own_gains() / path.name
-
-
-def tuned_ships() -> list[str]:
-    """Names of the ships with tuned gains."""
-    files = [*GAINS.glob("pid_*.toml"), *own_gains().glob("pid_*.toml")]
-    return sorted({path.stem.removeprefix("pid_") for path in files})
+    @property
+    def wave_filter(self) -> LowPass | Observer | None:
+        """The filter that is given."""
+        return self.low_pass if self.observer is None else self.observer
 
 
 def load_gains(path: str | Path) -> GainsFile:
-    """Read a file of gains, strictly; a wrong file is a ConfigError with its path and key."""
-    return build(GainsFile, read_toml(path), str(path))
+    """Read a file of gains of a PID or of a guidance on top of it."""
+    return gains_files.load_gains(path, PID)
 
 
 def gains_of(ship: Ship) -> Gains:
-    """Tuned gains of a ship, or a ConfigError that says how to tune them."""
-    path = gains_path(ship.name)
-    if not path.is_file():
-        path = own_gains() / path.name
-    if not path.is_file():
-        raise ConfigError(
-            f"no PID gains for ship {ship.name!r} (tuned: {', '.join(tuned_ships())}); tune them "
-            "with: ship-gym tune --ship NAME_OR_FILE --out mine.toml, then take the controller "
-            "'mine.toml', in Python make_controller('mine.toml')"
-        )
-    return load_gains(path).gains
+    """Tuned gains of the PID of a ship, or a ConfigError that says how to tune them."""
+    return gains_files.tuned_file(ship, PID).gains
 
 
-class PID:
+class PID(Autopilot):
     """PID on heading error and yaw rate, with sway feedback where it is tuned; batch first.
 
     The heading error ``psi_e = psi - psi_ordered`` and ``r`` are positive to starboard, and so is
@@ -156,81 +110,65 @@ class PID:
     name : str
     """
 
-    needs = ("sin_error", "cos_error", "yaw_rate", "sway", "rudder")  # of the observation
+    KIND: ClassVar[str] = "pid"  # in the names of gains files
+    # gain -> lowest, highest, where tuning begins, see ``ship_gym_agents.tuning.ranges``
+    TUNED: ClassVar[dict[str, tuple[float, float, float | None]]] = {
+        "K_p": (0.2, 20.0, 3.0),
+        "K_d": (-3.0, 10.0, 1.5),
+        "K_i": (-0.5, 1.0, 0.1),
+        "K_v": (-12.0, 6.0, -2.0),
+        "K_b": (-0.5, 2.0, 0.8),
+        "low_pass.T_r": (0.01, 1.0, 0.1),
+        "low_pass.T_v": (0.01, 2.0, 0.2),
+        "observer.sway_noise": (0.02, 20.0, 0.5),
+        "observer.yaw_noise": (0.05, 50.0, 2.0),
+        "observer.bias_noise": (0.02, 20.0, 0.8),
+        "observer.wave_frequency": (8.0, 30.0, 18.0),
+        "observer.wave_noise": (1.0, 300.0, 30.0),
+    }
+
+    @classmethod
+    def first_gains(cls, ship: Ship) -> Gains:
+        """Gains that tuning begins at: with an observer on the linear model of the ship."""
+        start = {name.removeprefix("observer."): cls.TUNED[name][2] for name in _OBSERVER}
+        feedback = {name: start.pop(name) for name in (*_FEEDBACK, "K_b")}
+        return Gains(**feedback, observer=Observer(identify(ship), **_ERRORS, **start))
+
+    @classmethod
+    def gains_for(cls, ship: Ship) -> Gains:
+        """The tuned gains of a ship; without any, a ConfigError that says how to tune them."""
+        return gains_files.tuned_file(ship, cls).gains
+
+    @classmethod
+    def structures(cls, ship: Ship) -> dict[str, tuple[Gains, tuple[str, ...]]]:
+        """Structure -> gains to begin at and names of those that are free; simple ones first."""
+        plain, observed = Gains(K_p=0.0, K_d=0.0), cls.first_gains(ship)
+        filtered = dataclasses.replace(plain, low_pass=LowPass(T_psi=0.0, T_r=0.0, T_v=0.0))
+        with_waves = (*_OBSERVER, "observer.wave_frequency", "observer.wave_noise")
+        low_pass = (*_FEEDBACK, "K_i", "low_pass.T_r", "low_pass.T_v")
+        return {
+            "PD": (plain, ("K_p", "K_d")),
+            "PID + sway": (plain, (*_FEEDBACK, "K_i")),
+            "PID + sway, low-pass": (filtered, low_pass),
+            "PD + sway, observer": (observed, _OBSERVER),
+            "PD + sway, observer with waves": (observed, with_waves),
+        }
 
     def __init__(self, gains: Gains | None = None, name: str = "pid"):
-        self.gains, self.name = gains, name
+        super().__init__(gains, name)
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
-        """Clear the integrals; `count` episodes of `scenario` with `ship` begin together.
-
-        Raises
-        ------
-        ConfigError
-            The observation of the scenario lacks what the controller needs.
-        """
-        self._columns = observation_columns(scenario).require(self.needs, f"controller {self.name}")
-        self._rudder_column = action_columns(scenario)["rudder"]
-        self._g = g = self._gains_for(ship)
-        self._limit = ship.gear.delta_max
-        # control interval over L / U0
-        self._step = scenario.control_interval / ship.time_unit * ship.speed / ship.hull.L
+        """Clear the integrals; `count` episodes of `scenario` with `ship` begin together."""
+        super().reset(count, ship, scenario)
         self._integral = np.zeros(count)
-        self._watch = OrderWatch(self._step)
-        chosen = g.low_pass if g.observer is None else g.observer
-        self._filter = _as_measured if chosen is None else chosen.start(count, self._step)
-        self._reference = None
-        if g.reference is not None:
-            linear = None if g.observer is None else g.observer.ship
-            self._reference = ReferenceModel(g.reference, self._step, linear)
-        steady = ConstantController()
-        steady.reset(count, ship, scenario)
-        self._action = np.array(steady.act(np.empty((count, 0))))
 
-    def act(self, observations: np.ndarray) -> np.ndarray:
-        """Actions in [-1, 1], shape (count, n_actions), for observations of the scenario."""
-        seen = self._columns.view(observations)
-        measured = np.arctan2(seen.sin_error, seen.cos_error)
-        jump = self._watch(measured, seen.yaw_rate)
-        delta = seen.rudder * self._limit
-        motion = self._filter(measured, seen.yaw_rate, seen.sway, delta, jump)
-        wanted = self._wanted(seen, jump), 0.0, 0.0, 0.0
-        if self._reference is not None:
-            wanted = self._reference(wanted[0], motion[0], jump)
-        delta = self._rudder(motion, wanted)
-        action = self._action.copy()
-        action[:, self._rudder_column] = np.clip(delta / self._limit, -1.0, 1.0)
-        return action
-
-    def _gains_for(self, ship: Ship) -> Gains:
-        return gains_of(ship) if self.gains is None else self.gains
-
-    def _wanted(self, seen: View, jump: np.ndarray) -> np.ndarray:
-        """Wanted heading less ordered heading [rad], shape (count,)."""
-        return np.zeros(len(seen))
-
-    def _rudder(self, motion, wanted) -> np.ndarray:
-        """Rudder angle [rad] that may exceed the largest; takes the integral one interval on.
-
-        Parameters
-        ----------
-        motion : tuple
-            psi [rad], r', v' and rudder bias [rad].
-        wanted : tuple
-            Those of the reference, and its rudder angle [rad].
-        """
-        g, error = self._g, motion[0] - wanted[0]
-        # Only where needed: wrapping rounds, and a mirrored error shall give the mirrored rudder.
-        error = np.where(np.abs(error) > math.pi, wrap_angle(error), error)
-        error = np.clip(error, -g.error_limit, g.error_limit)
+    def _rudder(self, seen: View, motion, wanted) -> np.ndarray:
+        """Rudder angle [rad] that may exceed the largest; takes the integral one interval on."""
+        g = self._g
+        error = np.clip(wrapped(motion[0] - wanted[0]), -g.error_limit, g.error_limit)
         integral = self._integral + error * self._step
         damping = g.K_d * (motion[1] - wanted[1]) + g.K_v * (motion[2] - wanted[2])
         delta = -(g.K_p * error + g.K_i * integral + damping) + g.K_b * motion[3] + wanted[3]
         winding = (np.abs(delta) > self._limit) & (delta * error < 0.0)
         self._integral = np.where(winding, self._integral, integral)
         return delta
-
-
-def _as_measured(psi, r, v, delta, jump):
-    """No filter: psi [rad], r', v' as they are measured, and no bias."""
-    return psi, r, v, 0.0

@@ -141,8 +141,7 @@ class ReferenceModel:
 class Guidance:
     """Line-of-sight guidance to a track; lengths in L.
 
-    The defaults sail kcs along the random tracks of the tuning seeds with the smallest rms
-    cross-track error among some ten; they are not tuned to each ship.
+    The defaults were chosen by hand on kcs; ``ship-gym tune`` finds those of a ship.
 
     Attributes
     ----------
@@ -151,14 +150,21 @@ class Guidance:
     integral : float
         kappa' of the integral law (ILOS).
     turn_radius : float
-        Of the turn that is begun before a way-point, with the distance lost until the ship turns.
+        Of the turn that is begun before a way-point.
+    reach : float
+        Distance before that turn at which it is ordered: what is lost until the ship turns.
+    drift_time : float
+        Time over which the drift is estimated (DriftLOS), over L / U0.
     """
 
     look_ahead: float = 3.0
     integral: float = 0.1
     turn_radius: float = 4.0
+    reach: float = 0.0
+    drift_time: float = 6.0
 
     def __post_init__(self):
-        check_gains("guidance", self)
-        if np.min(self.look_ahead) <= 0.0:
-            raise ConfigError(f"guidance.look_ahead = {self.look_ahead}: must be positive")
+        check_gains("guidance", self, signed=("reach",))
+        for name in ("look_ahead", "drift_time"):
+            if np.min(getattr(self, name)) <= 0.0:
+                raise ConfigError(f"guidance.{name} = {getattr(self, name)}: must be positive")

@@ -22,6 +22,7 @@ from scipy.linalg import expm, solve_discrete_are
 
 from ship_gym.config import ConfigError, check_fields
 from ship_gym.conventions import DELTA, N, R, U, V, wrap_angle
+from ship_gym.linear import LinearShip, linearise
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim, self_propulsion
 
@@ -30,8 +31,12 @@ _TRIAL_TURN = 20  # intervals of 1 full-scale s for which the rudder of a trial 
 _TRIAL_RUDDER = math.radians(6.0)
 
 
-def check_gains(kind: str, instance: object, signed: tuple[str, ...] = ()) -> None:
+def check_gains(
+    kind: str, instance: object, signed: tuple[str, ...] = (), positive: tuple[str, ...] = ()
+) -> None:
     """Refuse fields (numbers or arrays) that are not finite, too large, or negative and unsigned.
+
+    Those of `positive` may not be zero either.
 
     Raises
     ------
@@ -42,34 +47,9 @@ def check_gains(kind: str, instance: object, signed: tuple[str, ...] = ()) -> No
     names = [name for name in names if not dataclasses.is_dataclass(getattr(instance, name))]
     lowest = {name: -_LARGEST if name in signed else 0.0 for name in names}
     check_fields(kind, instance, {name: (low, _LARGEST, "-") for name, low in lowest.items()})
-
-
-@dataclasses.dataclass(frozen=True)
-class LinearShip:
-    """Small motions about straight sailing, non-dimensional.
-
-    ``dv'/dt' = Y_v v' + Y_r r' + Y_delta delta``, ``dr'/dt' = N_v v' + N_r r' + N_delta delta``.
-    """
-
-    Y_v: float
-    Y_r: float
-    Y_delta: float
-    N_v: float
-    N_r: float
-    N_delta: float
-
-    def __post_init__(self):
-        check_gains("linear_ship", self, tuple(f.name for f in dataclasses.fields(self)))
-        if self.N_delta <= 0.0:
-            raise ConfigError(f"linear_ship.N_delta = {self.N_delta}: must be positive")
-
-    def rudder_for(self, v, r, r_dot):
-        """Rudder angle [rad] that gives the yaw acceleration dr'/dt' `r_dot` at v' and r'."""
-        return (r_dot - self.N_v * v - self.N_r * r) / self.N_delta
-
-    def sway_acceleration(self, v, r, delta):
-        """dv'/dt' at v', r' and rudder angle [rad]."""
-        return self.Y_v * v + self.Y_r * r + self.Y_delta * delta
+    for name in positive:
+        if np.min(getattr(instance, name)) <= 0.0:
+            raise ConfigError(f"{kind}.{name} = {getattr(instance, name)}: must be positive")
 
 
 def identify(ship: Ship, intervals: int = 1200, seed: int = 0) -> LinearShip:
@@ -187,10 +167,27 @@ class Observer:
     wave_noise: float = 1.0
 
     def __post_init__(self):
-        check_gains("observer", self)
-        for name in ("bias_noise", "heading_error", "sway_error"):
-            if np.min(getattr(self, name)) <= 0.0:
-                raise ConfigError(f"observer.{name} = {getattr(self, name)}: must be positive")
+        check_gains("observer", self, positive=("bias_noise", "heading_error", "sway_error"))
+
+    @classmethod
+    def first(cls, ship: Ship, waves: bool = False) -> Observer:
+        """Where tuning begins: the linearised ship, noises of a seaway; `waves`: with their yaw.
+
+        Errors of heading and sway over that of the yaw rate are about what waves of sea state 5
+        make of them and what sensors add.
+        """
+        linear = linearise(ship).steering
+        digits = (float(f"{x:.4g}") for x in dataclasses.astuple(linear))
+        return cls(
+            LinearShip(*digits),
+            sway_noise=0.5,
+            yaw_noise=2.0,
+            bias_noise=0.8,
+            heading_error=0.05,
+            sway_error=0.25,
+            wave_frequency=18.0 if waves else 0.0,
+            wave_noise=30.0,
+        )
 
     def start(self, count: int, step: float) -> ObserverFilter:
         """Filter for `count` episodes with control interval `step` (over L / U0)."""

@@ -20,6 +20,7 @@ from ship_gym.envs.docstring import observation_table
 from ship_gym.envs.env import ShipEnv
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.registration import ENVIRONMENTS
+from ship_gym.evaluation import metrics_of
 from ship_gym.provenance import atomic_path
 from ship_gym.tasks import TASKS, privileged
 from ship_gym.tasks.base import Task
@@ -119,6 +120,10 @@ def page(env_id: str) -> str:
         "## Privileged Observation",
         "What no bridge knows. With `privileged=True` it follows the observation above.",
         observation_table(privileged.OBSERVATIONS, env.observation_space.shape[0]),
+        "## Metrics",
+        f"A benchmark scores `{task.headline}`. Every episode has these, computed from its "
+        "recording; angles are in degrees, times at full scale.",
+        _metrics(task),
         "## Scenario",
         f"Keys that `{env.scenario_name}` and its bases state; `overrides` replaces any of them. "
         f"[All keys]({SCENARIOS}#every-key), [other scenarios]({SCENARIOS}).",
@@ -185,6 +190,12 @@ def _info_keys(info: Mapping[str, Any]) -> str:
         holds = ", ".join(f"`{k}`" for k in value) if nested else type(value).__name__
         rows.append([f"`{key}`", holds])
     return table(("Key", "Holds"), rows)
+
+
+def _metrics(task: Task) -> str:
+    """Table of the metrics of a task."""
+    rows = [[f"`{k}`", m.unit, m.better, m.meaning] for k, m in metrics_of(task.name).items()]
+    return table(("Metric", "Unit", "Better", "Meaning"), rows)
 
 
 def _stated(env: ShipEnv) -> str:

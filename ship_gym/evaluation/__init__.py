@@ -1,10 +1,12 @@
 """Evaluation: controllers, rollouts, metrics and their statistics."""
 
+from ship_gym.evaluation.comparison import compare, table
 from ship_gym.evaluation.metrics import all_metrics, metrics, metrics_of
-from ship_gym.evaluation.rollout import Rollout, evaluation_seeds, rollout
-from ship_gym.evaluation.statistics import compare, table
+from ship_gym.evaluation.rollout import Rollout, rollout
+from ship_gym.evaluation.splits import SPLITS, evaluation_seeds, seeds_of
 
 __all__ = [
+    "SPLITS",
     "Rollout",
     "all_metrics",
     "compare",
@@ -12,5 +14,6 @@ __all__ = [
     "metrics",
     "metrics_of",
     "rollout",
+    "seeds_of",
     "table",
 ]

@@ -6,6 +6,8 @@ early, and holds what all have in common.
 
 from __future__ import annotations
 
+import math
+
 from ship_gym.config import ConfigError
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.tasks import TASKS, measures
@@ -35,7 +37,7 @@ def all_metrics() -> dict[str, Metric]:
     return {name: m for part in (*own, measures.COMMON) for name, m in part.items()}
 
 
-def metrics(trajectory: Trajectory) -> dict[str, float]:
+def metrics(trajectory: Trajectory) -> dict[str, float | None]:
     """Metrics of one episode.
 
     Parameters
@@ -45,8 +47,9 @@ def metrics(trajectory: Trajectory) -> dict[str, float]:
 
     Returns
     -------
-    dict of str to float
-        The keys of `metrics_of` its task, with the units there.
+    dict of str to float or None
+        The keys of `metrics_of` its task, with the units there. None where an episode has no such
+        value: a steady part, if it is all turn.
 
     Raises
     ------
@@ -67,7 +70,8 @@ def metrics(trajectory: Trajectory) -> dict[str, float]:
             f"{sorted(task.metrics)}"
         )
     found = {**own, **measures.common(trajectory, task)}
-    return {name: float(found[name]) for name in names}
+    values = {name: float(found[name]) for name in names}
+    return {name: None if math.isnan(value) else value for name, value in values.items()}
 
 
 def _check(trajectory: Trajectory) -> None:

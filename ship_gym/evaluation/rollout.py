@@ -10,11 +10,17 @@ from typing import Any
 import numpy as np
 from gymnasium.utils import seeding
 
-from ship_gym.config import ConfigError, check_number
+from ship_gym.config import ConfigError
 from ship_gym.conventions import polar
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.evaluation.controller import Controller, check_controller
+from ship_gym.evaluation.splits import (  # noqa: F401, names of old
+    EVALUATION_SEED,
+    TUNING_SEED,
+    evaluation_seeds,
+    tuning_seeds,
+)
 from ship_gym.provenance import provenance
 from ship_gym.recording.about import ship_meta
 from ship_gym.recording.panels import plots_meta
@@ -26,28 +32,9 @@ from ship_gym.tasks import TASKS
 from ship_gym.tasks.base import Task
 from ship_gym.tasks.rewards import COSTS
 
-# Episode seeds: training draws from [0, 400_000) and validates from there on (agents), gains
-# and hyperparameters are tuned on [TUNING_SEED, EVALUATION_SEED), and nothing but an evaluation
-# uses EVALUATION_SEED and above. The hyperparameters of PPO were chosen with a look at seeds from
-# 1_000_000 on, so the evaluation lies above those.
-TUNING_SEED = 500_000
-EVALUATION_SEED = 2_000_000
-
 _HISTORIES = ("time", "states", "commands", "forces", "flow", "waves")
 _START = ("time", "states", "waves")  # of an interval
 _DURING = ("commands", "forces", "flow")  # the engine's, at the start of the interval
-
-
-def evaluation_seeds(n: int) -> list[int]:
-    """The first `n` seeds that are kept for evaluation."""
-    n = int(check_number("episodes", n, 1, 10**6))
-    return list(range(EVALUATION_SEED, EVALUATION_SEED + n))
-
-
-def tuning_seeds(n: int) -> list[int]:
-    """The first `n` seeds that are kept for tuning; disjoint from training and evaluation."""
-    n = int(check_number("episodes", n, 1, EVALUATION_SEED - TUNING_SEED))
-    return list(range(TUNING_SEED, TUNING_SEED + n))
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -252,9 +252,10 @@ class Task:
     metrics : mapping
         Name to `Metric` of the task's own, in the order of a table.
     measure : callable or None
-        ``measure(trajectory)``, their values by name; None: the task has no metrics.
+        ``measure(trajectory)``, their values by name, nan where an episode has none; None: the task
+        has no metrics.
     headline : str
-        The metric that training reports.
+        The metric that a benchmark scores and training reports; an episode may have none.
     controllers : tuple of str
         Default opponents, the reference first.
     scene : callable

@@ -11,6 +11,7 @@ degrees.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -25,6 +26,7 @@ SETTLED_DEG = 2.0  # band of the settling time
 DWELL = 60.0  # time to stay in the band [full-scale s]; later disturbances do not count
 DEAD_BAND_DEG = 1.0  # smaller swings of the rudder are no reversals
 LAMBDAS = (0.1, 1.0, 8.0)
+TURN = 120.0  # the turn after an order [full-scale s]; what follows it is the steady part
 
 COMMON: dict[str, Metric] = {
     "rudder_travel": Metric("deg/h", "rudder angle covered per hour", "lower"),
@@ -90,6 +92,24 @@ def control_cost(psi_error: np.ndarray, delta: np.ndarray, lam: float) -> np.nda
         lambda [-].
     """
     return np.mean(np.degrees(psi_error) ** 2 + lam * np.degrees(delta) ** 2, axis=0)
+
+
+def turning(orders: Iterable[int], count: int, interval: float) -> np.ndarray:
+    """Which of `count` intervals begin within `TURN` after an order, shape (count,), bool.
+
+    Parameters
+    ----------
+    orders : iterable of int
+        Intervals from which the orders hold; those from `count` on do not matter.
+    count : int
+    interval : float
+        Control interval [full-scale s].
+    """
+    length = math.ceil(TURN / interval - 1e-9)
+    found = np.zeros(count, dtype=np.bool_)
+    for begins in orders:
+        found[int(begins) : int(begins) + length] = True
+    return found
 
 
 def settling_time(time: np.ndarray, error: np.ndarray) -> float | None:

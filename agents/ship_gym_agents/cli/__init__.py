@@ -24,7 +24,7 @@ VERBS = {
     "review": "Print the metrics of recordings side by side, computed from the files.",
     "simulate": "Sail a standard manoeuvre or all trials of a ship.",
     "trials": "Sail every trial of every ship and compare, with the scatter of the facilities.",
-    "tune": "Tune the PID by differential evolution on seeds kept for tuning.",
+    "tune": "Tune controllers for ships on seeds kept for tuning; say what it gained.",
     "fit-surrogate": "Fit a propeller and rudder surrogate to CFD points.",
     "draw": "Draw what papers draw of surrogates and of the forces in a turn.",
     "build-wave-table": "Compute a ship's wave table by boundary elements.",

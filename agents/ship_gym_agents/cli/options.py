@@ -127,14 +127,26 @@ def jobs():
     )
 
 
-def environment(whose: str = "heading_keeping, kcs, rudder"):
+def environment(whose: str = "heading_keeping, kcs, rudder", several_ships: bool = False):
     """Options of what is sailed: ``--scenario``, ``--task``, ``--ship``, ``--control``, ``--set``.
 
     Parameters
     ----------
     whose : str
         What the defaults are.
+    several_ships : bool
+        ``--ship`` takes several; the argument is then `ships`.
     """
+    names = click.option("--ship", type=Name("ships"), help="Name or ship file.")
+    if several_ships:
+        names = click.option(
+            "--ship",
+            "--ships",
+            "ships",
+            cls=Several,
+            type=Name("ships"),
+            help="Names or ship files, several; all: every ship of the package.",
+        )
     made = (
         click.option(
             "--scenario",
@@ -146,7 +158,7 @@ def environment(whose: str = "heading_keeping, kcs, rudder"):
             type=Name("tasks"),
             help="A task, by its name or as your own FILE.py[:NAME]; brings its scenario.",
         ),
-        click.option("--ship", type=Name("ships"), help="Name or ship file."),
+        names,
         click.option("--control", type=Name("controls"), help="rudder or rudder+rpm."),
         click.option(
             "--set",

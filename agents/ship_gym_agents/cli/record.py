@@ -43,7 +43,10 @@ def command(as_json, policy, controller, task, seed, out, **options) -> None:
         raise OSError(f"{out}: the metrics of the file are not those of the episode")
     name = sailed.meta["controller"]
     units = metrics_of(sailed.meta["task"])
-    rows = [[key, units[key].unit, f"{value:.5g}"] for key, value in found.items()]
+    rows = [
+        [key, units[key].unit, "-" if value is None else f"{value:.5g}"]
+        for key, value in found.items()
+    ]
     following = f"{next_command('review', task=task)} {shlex.quote(str(out))}"
     shown = table(["metric", "unit", name], rows, None)
     text = f"seed {seed}, metrics computed from {out}\n{shown}\n\n"

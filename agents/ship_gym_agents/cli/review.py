@@ -42,7 +42,7 @@ def command(as_json, files, task, as_csv) -> None:
     show(as_json, data, text)
 
 
-def _read(path: Path) -> tuple[dict, dict[str, float]]:
+def _read(path: Path) -> tuple[dict, dict[str, float | None]]:
     """Meta and metrics of one recording; errors name the file."""
     from ship_gym.config import ConfigError
     from ship_gym.evaluation import metrics
@@ -56,7 +56,7 @@ def _read(path: Path) -> tuple[dict, dict[str, float]]:
         raise ConfigError(text if str(path) in text else f"{path}: {text}") from None
 
 
-def _rows(found: dict[str, tuple[dict, dict[str, float]]], form) -> list[list[str]]:
+def _rows(found: dict[str, tuple[dict, dict[str, float | None]]], form) -> list[list[str]]:
     """Cells of the table: a column for each recording, a row for each metric that one has."""
     from ship_gym.evaluation import all_metrics
 
@@ -64,7 +64,7 @@ def _rows(found: dict[str, tuple[dict, dict[str, float]]], form) -> list[list[st
     rows += [[key, "", *(str(meta[key]) for meta, _ in found.values())] for key in _KEPT]
     rows.append(["ship", "", *(meta["ship"]["name"] for meta, _ in found.values())])
     for name, metric in all_metrics().items():
-        cells = [form(v[name]) if name in v else "" for _, v in found.values()]
+        cells = ["" if v.get(name) is None else form(v[name]) for _, v in found.values()]
         if any(cells):
             rows.append([name, metric.unit, *cells])
     return rows

@@ -31,11 +31,17 @@ def summary(card: Mapping[str, Any], out: str | Path) -> str:
     task = card["config"]["scenario"]["task"]
     name = TASKS[task].headline
     unit = metrics_of(task)[name].unit
-    history = "  ".join(f"{found[name]:.4g}" for found in card["validations"])
+    history = "  ".join(_shown(found, name) for found in card["validations"])
     return (
         f"{card['samples']} samples in {seconds:.0f} s, {rate:.0f} per second\n"
         f"validation {name} [{unit}]: {history}\n"
-        f"best: {name} {best[name]:.4g} {unit}, return {best['return']:.2f}, success "
+        f"best: {name} {_shown(best, name)} {unit}, return {best['return']:.2f}, success "
         f"{best['success']:.0%}, after {best['samples']} samples\n"
         f"wrote {Path(out) / 'policy.zip'}, card.json and checkpoint"
     )
+
+
+def _shown(found: Mapping[str, float | None], name: str) -> str:
+    """A mean of the validation; short episodes, or runs begun under another headline, have none."""
+    value = found.get(name)
+    return "-" if value is None else f"{value:.4g}"

@@ -19,6 +19,7 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.metrics import metrics
 from ship_gym.evaluation.rollout import rollout
+from ship_gym.evaluation.splits import VALIDATION_SEED
 from ship_gym.provenance import atomic_path, provenance
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.tasks import TASKS
@@ -52,9 +53,6 @@ except ModuleNotFoundError as error:
         f'training needs {error.name}, which is not installed: pip install "ship-gym[rl]"'
     ) from error
 
-# Training draws its episodes below, validation from here on; tuning and evaluation lie above, see
-# ship_gym.evaluation.rollout.
-VALIDATION_SEED = 400_000
 VALIDATION_EPISODES = 64
 _ENDLESS = 10**12
 # Floor of the variance of an observation: one that hardly varies is not blown up to noise.
@@ -115,7 +113,7 @@ class _Run:
         self.config, self.out = config, out
         card = self._earlier(resume)
         _compile_kernels(config.scenario)
-        self.validations: list[dict[str, float]] = []
+        self.validations: list[dict[str, float | None]] = []
         self.best: SB3Policy | None = None
         self.budget = Budget(minutes, steps, card["seconds"] if card else 0.0)
         self.model = self._make_model()
@@ -234,18 +232,22 @@ class _Run:
         return card
 
 
-def validate(policy: SB3Policy, scenario: Scenario) -> dict[str, float]:
+def validate(policy: SB3Policy, scenario: Scenario) -> dict[str, float | None]:
     """Means over the validation episodes of `scenario`.
 
     Returns
     -------
     dict
-        The headline metric of the task, ``return`` (sum of rewards) and ``success``.
+        The headline metric of the task, None where an episode has none (one too short for a steady
+        part), ``return`` (sum of rewards) and ``success``.
     """
     seeds = range(VALIDATION_SEED, VALIDATION_SEED + VALIDATION_EPISODES)
     found = [metrics(episode) for episode in rollout(policy, scenario, seeds=seeds).episodes]
     names = dict.fromkeys((TASKS[scenario.task].headline, "return", "success"))
-    return {name: float(np.mean([m[name] for m in found])) for name in names}
+    columns = {name: [m[name] for m in found] for name in names}
+    return {
+        name: None if None in column else float(np.mean(column)) for name, column in columns.items()
+    }
 
 
 def _compile_kernels(scenario: Scenario) -> None:

@@ -13,6 +13,7 @@ from ship_gym.physics.angles import wrapped
 from ship_gym.tasks.base import Moment, Outcome
 from ship_gym.tasks.course import NAME, VERSION, kernels
 from ship_gym.tasks.heading.kernels import FROM, ORDER
+from ship_gym.tasks.heading.metrics import ORDERS
 from ship_gym.tasks.heading.task import TASK as HEADING
 from ship_gym.tasks.heading.task import Limits as HeadingLimits
 from ship_gym.tasks.heading.task import fails as heading_fails
@@ -117,6 +118,11 @@ class Orders:
         return np.zeros(len(which)), np.zeros(len(which))
 
 
+def meta(plan) -> dict:
+    """Intervals from which the orders were to hold, as an episode that failed may not reach all."""
+    return {ORDERS: [int(begins) for begins in plan[:, FROM]]}
+
+
 TASK = dataclasses.replace(
     HEADING,
     name=NAME,
@@ -130,6 +136,8 @@ TASK = dataclasses.replace(
     plan=Orders,
     begin=kernels.begin,
     fails=fails,
+    meta=meta,
+    headline="settling_time",
     page=Path(__file__).with_name("page.md").read_text(encoding="utf-8"),
     example={"sea.states": ["ss5"], "duration": 1200.0},
     moment=Moment("pid", 1, 330),

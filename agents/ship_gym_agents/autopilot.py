@@ -1,0 +1,146 @@
+"""What heading autopilots have in common; each adds its own rudder law.
+
+Order of work in `Autopilot.act`: did the order change (module ``reference``), what of the measured
+motion counts (``wave_filter``), which heading to be at now (``reference``), rudder angle.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ship_gym.conventions import wrap_angle
+from ship_gym.evaluation.controller import ConstantController
+from ship_gym.scenarios.scenario import Scenario
+from ship_gym.ships.particulars import Ship
+from ship_gym.tasks.columns import View, action_columns, observation_columns
+from ship_gym_agents.gains_files import find_gains, load_gains
+from ship_gym_agents.reference import OrderWatch, ReferenceModel
+
+
+class Autopilot:
+    """A rudder law on filtered motion; batch first. With rpm control: self-propulsion.
+
+    Parameters
+    ----------
+    gains : dataclass, optional
+        With `wave_filter`, `observer` and `reference`, each of which may be None. If omitted, the
+        tuned gains of the ship, or those that tuning would begin at where there are none.
+    name : str
+
+    Attributes
+    ----------
+    KIND : str
+        Name in files of gains.
+    TUNED : dict
+        Gain, by its dotted name, to lowest, highest and first value of a tuning.
+    """
+
+    KIND: ClassVar[str]
+    TUNED: ClassVar[dict[str, tuple[float, float, float]]] = {}
+    needs = ("sin_error", "cos_error", "yaw_rate", "sway", "rudder")  # of the observation
+
+    def __init__(self, gains: Any = None, name: str = ""):
+        self.gains, self.name, self._source = gains, name or self.KIND, "of the ship"
+
+    def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
+        """Forget everything; `count` episodes of `scenario` with `ship` begin together.
+
+        Raises
+        ------
+        ConfigError
+            The observation of the scenario lacks what the controller needs.
+        """
+        self._columns = observation_columns(scenario).require(self.needs, f"controller {self.name}")
+        self._rudder_column = action_columns(scenario)["rudder"]
+        self._g = g = self._gains_for(ship)
+        self._limit = ship.gear.delta_max
+        # control interval over L / U0
+        self._step = scenario.control_interval / ship.time_unit * ship.speed / ship.hull.L
+        # largest rudder change in an interval [rad]
+        self._stroke = ship.gear.rate * scenario.control_interval / ship.time_unit
+        self._watch = OrderWatch(self._step)
+        chosen = g.wave_filter
+        self._filter = _as_measured if chosen is None else chosen.start(count, self._step)
+        self._reference = None
+        if g.reference is not None:
+            linear = None if g.observer is None else g.observer.ship
+            self._reference = ReferenceModel(g.reference, self._step, linear)
+        steady = ConstantController()
+        steady.reset(count, ship, scenario)
+        self._action = np.array(steady.act(np.empty((count, 0))))
+
+    def act(self, observations: np.ndarray) -> np.ndarray:
+        """Actions in [-1, 1], shape (count, n_actions), for observations of the scenario."""
+        seen = self._columns.view(observations)
+        measured = np.arctan2(seen.sin_error, seen.cos_error)
+        jump = self._watch(measured, seen.yaw_rate)
+        delta = self._felt(seen, seen.rudder * self._limit)
+        motion = self._filter(measured, seen.yaw_rate, seen.sway, delta, jump)
+        wanted = self._wanted(seen, jump), 0.0, 0.0, 0.0
+        if self._reference is not None:
+            wanted = self._reference(wanted[0], motion[0], jump)
+        delta = self._rudder(seen, motion, wanted)
+        action = self._action.copy()
+        action[:, self._rudder_column] = np.clip(delta / self._limit, -1.0, 1.0)
+        return action
+
+    @classmethod
+    def first_gains(cls, ship: Ship) -> Any:
+        """Gains that tuning begins at; the annotation of the result says what gains are."""
+        raise NotImplementedError(f"{cls.__name__} has no gains: define first_gains")
+
+    def about(self) -> dict[str, Any]:
+        """What stands beside results: kind of controller and where its gains are from."""
+        return {"kind": "classical", "gains": self._source}
+
+    @classmethod
+    def gains_for(cls, ship: Ship) -> Any:
+        """The tuned gains of a ship, else those that tuning would begin at."""
+        path = find_gains(ship.name, cls.KIND)
+        return cls.first_gains(ship) if path is None else load_gains(path, cls).gains
+
+    def _gains_for(self, ship: Ship) -> Any:
+        if self.gains is not None:
+            self._source = "given"
+            return self.gains
+        path = find_gains(ship.name, self.KIND)
+        self._source = "first gains, not tuned" if path is None else path.name
+        return self.gains_for(ship)
+
+    def _felt(self, seen: View, delta: np.ndarray) -> np.ndarray:
+        """Rudder angle [rad] as the observer's ship would feel that achieved, shape (count,)."""
+        return delta
+
+    def _wanted(self, seen: View, jump: np.ndarray) -> np.ndarray:
+        """Wanted heading less ordered heading [rad], shape (count,)."""
+        return np.zeros(len(seen))
+
+    def _rudder(self, seen: View, motion, wanted) -> np.ndarray:
+        """Rudder angle [rad] that may exceed the largest, shape (count,).
+
+        Parameters
+        ----------
+        seen : View
+            The observations.
+        motion : tuple
+            psi [rad], r', v' and rudder bias [rad].
+        wanted : tuple
+            Those of the reference, and its rudder angle [rad].
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no rudder law: define _rudder")
+
+
+def wrapped(angle: np.ndarray) -> np.ndarray:
+    """Angles in [-pi, pi), untouched where they are.
+
+    Wrapping rounds, and a mirrored error shall give the mirrored rudder.
+    """
+    return np.where(np.abs(angle) > math.pi, wrap_angle(angle), angle)
+
+
+def _as_measured(psi, r, v, delta, jump):
+    """No filter: psi [rad], r', v' as they are measured, and no bias."""
+    return psi, r, v, 0.0

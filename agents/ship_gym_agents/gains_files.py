@@ -1,0 +1,179 @@
+"""Files of tuned gains, one for each kind of controller and ship: ``gains/<kind>_<ship>.toml``.
+
+A controller with gains has a class attribute `KIND`, its name in files, and a class method
+``first_gains(ship) -> GainsOfIt``, whose annotation says what its gains are; its first argument is
+such gains. A file without the key ``controller`` is of a ``pid``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import typing
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ship_gym.config import ConfigError, build, read_toml
+from ship_gym.provenance import atomic_path
+from ship_gym.ships.particulars import Ship
+
+GAINS = Path(__file__).parent / "gains"
+
+
+@dataclasses.dataclass(frozen=True)
+class GainsFile:
+    """What a file of gains holds: what they are for and how they were found.
+
+    Attributes
+    ----------
+    ship : str
+        Name.
+    gains : object
+        Dataclass of the controller.
+    tuning : dict
+        Provenance, see ``ship_gym_agents.tuning.record``.
+    versions : dict
+    controller : str
+        Kind, or ``file.py:Class`` of one's own.
+    """
+
+    ship: str
+    gains: Any
+    tuning: dict[str, Any]
+    versions: dict[str, str]
+    controller: str = "pid"
+
+
+@dataclasses.dataclass(frozen=True)
+class _Raw:
+    """`GainsFile` with its gains as they are written."""
+
+    ship: str
+    gains: dict[str, Any]
+    tuning: dict[str, Any]
+    versions: dict[str, str]
+    controller: str = "pid"
+
+
+def gains_path(ship: str, kind: str = "pid") -> Path:
+    """File of the tuned gains of a ship of the package."""
+    return GAINS / f"{kind}_{ship}.toml"
+
+
+def own_gains() -> Path:
+    """Folder of a user's gains for ships that the package has none for."""
+    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return Path(data) / "ship_gym" / "gains"
+
+
+def place_for_gains(ship: str, kind: str = "pid") -> Path:
+    """Where newly tuned gains of a ship belong: the package of a checkout, else `own_gains`.
+
+    Raises
+    ------
+    ConfigError
+        An installed package has gains of this ship: what `kind` means there stays the same.
+    """
+    path = gains_path(ship, kind)
+    if (GAINS.parents[2] / "pyproject.toml").is_file():
+        return path
+    if path.is_file():
+        raise ConfigError(
+            f"ship {ship!r} comes with {kind} gains in the installed package; name a file for "
+            f"yours: --out runs/{path.name}"
+        )
+    return own_gains() / path.name
+
+
+def find_gains(ship: str, kind: str = "pid") -> Path | None:
+    """File of the tuned gains of a ship, of the package or a user's own; None if there is none."""
+    path = gains_path(ship, kind)
+    return next((p for p in (path, own_gains() / path.name) if p.is_file()), None)
+
+
+def tuned_ships(kind: str = "pid") -> list[str]:
+    """Names of the ships with tuned gains."""
+    files = [p for folder in (GAINS, own_gains()) for p in folder.glob(f"{kind}_*.toml")]
+    return sorted({path.stem.removeprefix(f"{kind}_") for path in files})
+
+
+def gains_type(controller: type) -> type:
+    """The dataclass of a controller's gains: what its ``first_gains`` is annotated to return."""
+    return typing.get_type_hints(controller.first_gains)["return"]
+
+
+def kind_of(path: str | Path) -> str:
+    """Kind of controller that a file of gains is for."""
+    return str(read_toml(path).get("controller", "pid"))
+
+
+def load_gains(path: str | Path, controller: type) -> GainsFile:
+    """Read a file of gains, strictly; a wrong file is a ConfigError with its path and key.
+
+    Parameters
+    ----------
+    path : str or path
+    controller : type
+        The class that takes them.
+    """
+    raw = build(_Raw, read_toml(path), str(path))
+    gains = build(gains_type(controller), raw.gains, f"{path}.gains")
+    return GainsFile(raw.ship, gains, raw.tuning, raw.versions, raw.controller)
+
+
+def tuned_file(ship: Ship, controller: type) -> GainsFile:
+    """File of the tuned gains of a ship, or a ConfigError that says how to tune them."""
+    kind = controller.KIND
+    path = find_gains(ship.name, kind)
+    if path is None:
+        option = "" if kind == "pid" else f"--controllers {kind} "
+        raise ConfigError(
+            f"no {kind} gains for ship {ship.name!r} (tuned: {', '.join(tuned_ships(kind))}); "
+            f"tune them with: ship-gym tune {option}--ship NAME_OR_FILE --out mine.toml, then take "
+            "the controller 'mine.toml', in Python make_controller('mine.toml')"
+        )
+    return load_gains(path, controller)
+
+
+def write_gains(found: GainsFile, path: str | Path | None = None) -> Path:
+    """Write a file of gains, by default to `place_for_gains`, where the controller finds them."""
+    path = place_for_gains(found.ship, found.controller) if path is None else Path(path)
+    data = _given(dataclasses.asdict(found))
+    head = {key: data.pop(key) for key in ("controller", "ship")}
+    lines = ["# Gains of a controller; written by ship-gym tune", *_toml({**head, **data})]
+    with atomic_path(path) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def _given(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Nested mapping without what is None, for which TOML has no word."""
+    nested = {k: _given(v) if isinstance(v, Mapping) else v for k, v in data.items()}
+    return {k: v for k, v in nested.items() if v is not None}
+
+
+def _toml(data: Mapping[str, Any], section: str = "") -> list[str]:
+    """Lines of a nested mapping of strings, numbers and lists."""
+    lines = [f"{_key(k)} = {_literal(v)}" for k, v in data.items() if not isinstance(v, Mapping)]
+    for key, value in data.items():
+        if isinstance(value, Mapping):
+            name = f"{section}{_key(key)}"
+            lines += ["", f"[{name}]", *_toml(value, f"{name}.")]
+    return lines
+
+
+def _key(name: str) -> str:
+    return name if name.replace("_", "").replace("-", "").isalnum() else f'"{name}"'
+
+
+def _literal(value: object) -> str:
+    if isinstance(value, str):
+        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_literal, value)) + "]"
+    if isinstance(value, int | float):
+        return repr(value)
+    raise ConfigError(f"cannot write {value!r} to a gains file")

@@ -1,0 +1,135 @@
+"""What tuning makes small, of a batch of episodes, without keeping their histories.
+
+Headings and courses: mean J_0.1; tracks: mean rms distance to the track. Both are the metrics of
+the same name of the task, which a test compares.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ship_gym.config import ConfigError
+from ship_gym.conventions import DELTA, PSI, wrap_angle
+from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.evaluation.controller import Controller, check_controller
+from ship_gym.evaluation.rollout import begin
+from ship_gym.tasks import TASKS
+
+LAMBDA = 0.1  # of J; the environment's default
+
+
+class Objective(NamedTuple):
+    """What is made small: a metric of the task, its unit and what it is."""
+
+    name: str
+    unit: str
+    text: str
+
+
+_J = Objective(
+    f"J_{LAMBDA:g}", "deg2", f"mean of J = mean(psi_e^2) + {LAMBDA:g} mean(delta^2) [deg2]"
+)
+_TRACKS = (
+    Objective("rms_route", "L", "mean of the rms distance to the route [L]"),
+    Objective("rms_cross_track", "L", "mean of the rms cross-track error [L]"),
+)
+
+
+def objective_of(task: str) -> Objective:
+    """What controllers of a task are tuned for.
+
+    Raises
+    ------
+    ConfigError
+        Its metrics have neither J nor a distance to a track.
+    """
+    known = TASKS[task].metrics
+    for one in (_J, *_TRACKS):
+        if one.name in known:
+            return one
+    able = [name for name, t in TASKS.items() for o in (_J, _TRACKS[-1]) if o.name in t.metrics]
+    raise ConfigError(
+        f"task {task!r}: gains are tuned for {_J.text} or {_TRACKS[0].text}, which it does not "
+        f"have; allowed are {', '.join(able)}"
+    )
+
+
+def episode_costs(controller: Controller, seeds: Sequence[int], **env: Any) -> np.ndarray:
+    """The objective of every episode, one for each seed, shape (n,).
+
+    Parameters
+    ----------
+    controller : Controller
+    seeds : sequence of int
+        May occur more than once, as for several candidates.
+    **env
+        Keyword arguments of ``rollout``.
+    """
+    check_controller(controller, type(controller).__name__)
+    # One thread: threads that wait for each other on a shared machine are slower than none.
+    batch = begin(seeds, parallel=False, **env)
+    name = objective_of(batch.scenario.task).name
+    meter = (_Heading if name == _J.name else _Track)(batch)
+    controller.reset(batch.n, batch.ship, batch.scenario)
+    failing = np.array([outcome.failed for outcome in batch.task.all_outcomes])
+    total, sailed, lost = np.zeros(batch.n), np.zeros(batch.n), np.zeros(batch.n)
+    alive = np.ones(batch.n, dtype=np.bool_)
+    for k in range(batch.scenario.steps):
+        meter.begin()
+        batch.step(controller.act(batch.observations))
+        total += np.where(alive, meter.end(), 0.0)
+        sailed += alive
+        ended = alive & (batch.terminated | batch.truncated)
+        lost[ended & failing[batch.outcomes]] = batch.scenario.steps - (k + 1)
+        alive &= ~ended
+        if not alive.any():
+            break
+    return meter.total((total + lost * meter.worst) / (sailed + lost))
+
+
+class _Heading:
+    """psi_e^2 + lambda delta^2 [deg2] of an interval, judged by the order that held in it."""
+
+    def __init__(self, batch: EpisodeBatch):
+        self._batch = batch
+        limit = batch.scenario.limits.heading_error_deg
+        self.worst = limit**2 + LAMBDA * math.degrees(batch.ship.gear.delta_max) ** 2
+
+    def begin(self) -> None:
+        self._ordered = self._batch.tasks["psi_ordered"].copy()
+
+    def end(self) -> np.ndarray:
+        state = self._batch.sim.state
+        psi_e = np.degrees(wrap_angle(state[:, PSI] - self._ordered))
+        return psi_e**2 + LAMBDA * np.degrees(state[:, DELTA]) ** 2
+
+    def total(self, mean: np.ndarray) -> np.ndarray:
+        return mean
+
+
+class _Track:
+    """Squared distance [L2] at the end of an interval, as its reward has it."""
+
+    def __init__(self, batch: EpisodeBatch):
+        weight = batch.scenario.reward.cross_track
+        if weight <= 0.0:
+            raise ConfigError(
+                f"reward.cross_track = {weight}: tuning reads the distance to the track from this "
+                "term of the reward; allowed is a positive weight"
+            )
+        self._batch, self._term = batch, batch.reward_terms.index("cross_track")
+        self._weight = weight * batch.tasks["interval"]
+        self.worst = batch.scenario.limits.cross_track**2
+
+    def begin(self) -> None:
+        """Nothing: the reward knows the leg that was active."""
+
+    def end(self) -> np.ndarray:
+        return -self._batch.terms[:, self._term] / self._weight
+
+    def total(self, mean: np.ndarray) -> np.ndarray:
+        return np.sqrt(mean)

@@ -1,0 +1,253 @@
+"""Tune the gains of a controller on tuning seeds: of several structures the best one is kept.
+
+All candidates of a generation sail the same episodes in one batch, each with its own gains.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ship_gym.config import ConfigError, check_known
+from ship_gym.evaluation.rollout import begin, rollout, tuning_seeds
+from ship_gym.evaluation.statistics import Estimate, estimate, per_episode
+from ship_gym.ships import load_ship
+from ship_gym.ships.particulars import Ship
+from ship_gym_agents.gains_files import find_gains, load_gains
+from ship_gym_agents.tuning.objective import Objective, episode_costs, objective_of
+from ship_gym_agents.tuning.ranges import Range, at_bounds, leaf, ranges_of, with_leaves
+from ship_gym_agents.tuning.search import Size, need_optuna, search
+
+VALIDATION = 3  # times as many episodes to choose the structure as to tune its gains
+_REPORTED = ("J_0.1", "J_1", "J_steady", "rms_error", "rms_route", "rms_cross_track", "corridor")
+_REPORTED += ("voyage_time", "success", "rudder_travel", "rudder_reversals")
+
+
+@dataclasses.dataclass(frozen=True)
+class Tuned:
+    """Best gains of one structure.
+
+    Attributes
+    ----------
+    structure : str
+        Empty if the controller has but one.
+    gains : object
+        Dataclass of the controller.
+    cost_tuning : float
+        Mean objective on the tuning episodes.
+    costs : tuple of float
+        Objective of every validation episode.
+    validation : dict
+        Means of metrics on the validation episodes, in their units.
+    at_bounds : dict
+        Gains that lie at a bound of their range, with that bound.
+    """
+
+    structure: str
+    gains: Any
+    cost_tuning: float
+    costs: tuple[float, ...]
+    validation: dict[str, float]
+    at_bounds: dict[str, float] = dataclasses.field(default_factory=dict)
+
+    @property
+    def cost(self) -> float:
+        """Mean objective on the validation episodes."""
+        return float(np.mean(self.costs))
+
+
+@dataclasses.dataclass(frozen=True)
+class Tuning:
+    """What a tuning found.
+
+    Attributes
+    ----------
+    controller : str
+        Kind, or ``file.py:Class``.
+    ship : str
+    objective : Objective
+    ranking : tuple of Tuned
+        The best on the validation episodes first.
+    before : str
+        What the gain counts from: the file of the gains of before, or the start of the search.
+    cost_before : float
+        Its mean objective on the validation episodes.
+    gained : Estimate
+        Mean of the objective after less before on the validation episodes, paired, with its 95 %
+        interval; below zero is better. The structure was chosen on these episodes, so of several
+        close ones it flatters a little.
+    """
+
+    controller: str
+    ship: str
+    objective: Objective
+    ranking: tuple[Tuned, ...]
+    before: str
+    cost_before: float
+    gained: Estimate
+
+    @property
+    def best(self) -> Tuned:
+        """The winner."""
+        return self.ranking[0]
+
+
+def structures_of(controller: type, ship: Ship) -> dict[str, tuple[Any, tuple[str, ...]]]:
+    """Structure -> gains to begin at and names of those that are free.
+
+    Raises
+    ------
+    ConfigError
+        The class cannot be tuned: it lacks a part of the protocol.
+    """
+    missing = [key for key in ("KIND", "TUNED", "first_gains") if not hasattr(controller, key)]
+    if missing:
+        raise ConfigError(
+            f"controller {controller.__name__} cannot be tuned: it has no {', no '.join(missing)}"
+        )
+    if hasattr(controller, "structures"):
+        return controller.structures(ship)
+    return {"": (controller.first_gains(ship), tuple(controller.TUNED))}
+
+
+def scenario_for(controller: type) -> str:
+    """The scenario that a controller is tuned in if none is named."""
+    on_track = "cross_track" in getattr(controller, "needs", ())
+    return "track_following" if on_track else "heading_keeping"
+
+
+def mean_costs(
+    controller: type,
+    gains: Any,
+    candidates: Sequence[Mapping[str, float]],
+    seeds: Sequence[int],
+    **env: Any,
+) -> np.ndarray:
+    """Mean objective of every candidate over the same episodes, shape (m,).
+
+    Parameters
+    ----------
+    controller : type
+    gains : dataclass
+        The gains that are not free.
+    candidates : sequence of mapping
+        Values of the free gains by dotted name, m of them.
+    seeds : sequence of int
+    **env
+        Keyword arguments of ``rollout``.
+    """
+    rows = {
+        name: np.repeat([candidate[name] for candidate in candidates], len(seeds))
+        for name in candidates[0]
+    }
+    sailing = controller(with_leaves(gains, rows))
+    costs = episode_costs(sailing, list(seeds) * len(candidates), **env)
+    return costs.reshape(len(candidates), len(seeds)).mean(axis=1)
+
+
+def tune(
+    controller: type,
+    ship: str,
+    size: Size | None = None,
+    *,
+    name: str | None = None,
+    structures: Iterable[str] | None = None,
+    progress: Callable[[Iterable], Iterable] | None = None,
+    **env: Any,
+) -> Tuning:
+    """Tune every structure of a controller for a ship.
+
+    Each structure begins at what the ones before it found.
+
+    Parameters
+    ----------
+    controller : type
+        With `KIND`, `TUNED`, ``first_gains(ship)`` and a constructor that takes gains; with
+        ``structures(ship)`` if it has several.
+    ship : str
+        Name or file.
+    size : Size, optional
+    name : str, optional
+        Of the controller in the file of gains: its `KIND` if omitted, ``file.py:Class`` of one's
+        own.
+    structures : iterable of str, optional
+        Those to tune; all if omitted.
+    progress : callable, optional
+        Wraps an iterable of as many parts as the work has.
+    **env
+        Keyword arguments of ``rollout``; the scenario by default that of `scenario_for`.
+    """
+    size = size or Size()
+    need_optuna()
+    env = {"scenario": scenario_for(controller)} | env | {"ship": ship}
+    objective = objective_of(begin(tuning_seeds(1), **env).scenario.task)
+    known = structures_of(controller, load_ship(ship))
+    names = list(known if structures is None else structures)
+    for structure in names:
+        check_known("structure", structure, known)
+    seeds = tuning_seeds((1 + VALIDATION) * size.episodes)
+    tick = _ticker(progress, len(names) * (size.generations + bool(size.polish) + 1))
+    ranking, found = [], {}
+    for structure in names:
+        gains, free = known[structure]
+        ranges = _begun_at(ranges_of(controller, gains, free), found)
+        tuned, values = _tune_one(controller, structure, gains, ranges, size, seeds, tick, env)
+        ranking.append(tuned)
+        found |= values
+    ranking.sort(key=lambda tuned: tuned.cost)
+    before, costs = _before(controller, load_ship(ship), seeds[size.episodes :], env)
+    gained = estimate(np.subtract(ranking[0].costs, costs), np.mean)
+    return Tuning(
+        name or controller.KIND, load_ship(ship).name, objective, tuple(ranking), before,
+        float(costs.mean()), gained,
+    )  # fmt: skip
+
+
+def _begun_at(ranges: Mapping[str, Range], found: Mapping[str, float]) -> dict[str, Range]:
+    return {name: r._replace(start=found.get(name, r.start)) for name, r in ranges.items()}
+
+
+def _tune_one(controller, name, gains, ranges, size, seeds, tick, env):
+    """One structure tuned and validated, and its free gains by name."""
+    tuning, validation = seeds[: size.episodes], seeds[size.episodes :]
+    values, cost = search(
+        lambda candidates: mean_costs(controller, gains, candidates, tuning, **env),
+        ranges, size, tick,
+    )  # fmt: skip
+    best = with_leaves(gains, values)
+    rows = per_episode(rollout(controller(best), seeds=validation, parallel=False, **env))
+    costs = episode_costs(controller(best), validation, **env)
+    tick()
+    means = {key: float(np.mean(rows[key])) for key in _REPORTED if key in rows}
+    found = Tuned(name, best, cost, tuple(costs.tolist()), means, at_bounds(values, ranges))
+    return found, values
+
+
+def _before(controller: type, ship: Ship, seeds: list[int], env: dict) -> tuple[str, np.ndarray]:
+    """What was there before, and its costs: the tuned gains of the ship, else those to begin at."""
+    path = find_gains(ship.name, controller.KIND)
+    if path is None:
+        gains, what = controller.first_gains(ship), "the gains that tuning begins at"
+        starts = {name: start for name, (_, _, start) in controller.TUNED.items()}
+        given = {k: v for k, v in starts.items() if v is not None and _has(gains, k)}
+        gains = with_leaves(gains, given)
+    else:
+        gains, what = load_gains(path, controller).gains, path.name
+    return what, episode_costs(controller(gains), seeds, **env)
+
+
+def _has(gains: Any, name: str) -> bool:
+    try:
+        return leaf(gains, name) is not None
+    except ConfigError:
+        return False
+
+
+def _ticker(progress: Callable | None, parts: int) -> Callable[[], None]:
+    """What is called after each part of the work, to move a bar."""
+    bar = iter(progress(range(parts)) if progress else range(parts))
+    next(bar, None)
+    return lambda: next(bar, None) and None
