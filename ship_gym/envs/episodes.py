@@ -323,7 +323,7 @@ class EpisodeBatch:
         """Sail one control interval under actions of shape (n, n_actions)."""
         if not self._begun:
             raise ConfigError("step before reset: call reset first")
-        self._actions[:] = self._shaped(actions)
+        self._actions[:] = shaped_actions(actions, self.n, self.scenario.control)
         lost = in_parts(self._loops.interval, self.n, self.sim.threads)
         if any(lost):
             self._told(min(lost))
@@ -349,23 +349,6 @@ class EpisodeBatch:
         sim.see_waves(which)
         self._loops.end(which)
         self.observe(which)
-
-    def _shaped(self, actions: Any) -> np.ndarray:
-        """Actions of the right shape and a type of numbers, else ConfigError."""
-        try:
-            actions = np.asarray(actions)
-        except ValueError:
-            raise ConfigError(
-                f"action = {actions!r}: must be {self.n_actions} numbers in [-1, 1] for each ship"
-            ) from None
-        if actions.shape != (self.n, self.n_actions):
-            raise ConfigError(
-                f"actions have shape {actions.shape}, allowed is {(self.n, self.n_actions)} "
-                f"for control = {self.scenario.control!r}"
-            )
-        if actions.dtype.kind not in "fiu":
-            raise ConfigError(f"action has type {actions.dtype}, allowed are numbers in [-1, 1]")
-        return actions
 
     def info(self, mask: np.ndarray, copy: bool = True) -> Info:
         """What happened in the last interval, as arrays over the batch (zero after a reset).
@@ -462,3 +445,22 @@ class EpisodeBatch:
         self.tasks = self.tasks.astype(bridge.record_dtype(self.task), copy=False)
         self._results = self._results.astype(bridge.RESULT_DTYPE, copy=False)
         self._gather()
+
+
+def shaped_actions(actions: Any, n: int, control: str) -> np.ndarray:
+    """Actions of n ships, of the right shape and a type of numbers, else ConfigError."""
+    n_actions = len(ACTIONS[control])
+    try:
+        actions = np.asarray(actions)
+    except ValueError:
+        raise ConfigError(
+            f"action = {actions!r}: must be {n_actions} numbers in [-1, 1] for each ship"
+        ) from None
+    if actions.shape != (n, n_actions):
+        raise ConfigError(
+            f"actions have shape {actions.shape}, allowed is {(n, n_actions)} "
+            f"for control = {control!r}"
+        )
+    if actions.dtype.kind not in "fiu":
+        raise ConfigError(f"action has type {actions.dtype}, allowed are numbers in [-1, 1]")
+    return actions
