@@ -5,7 +5,8 @@ import json
 
 import numpy as np
 import pytest
-from ship_gym_agents.pid import gains_path, load_gains
+from ship_gym_agents.gains_files import gains_path
+from ship_gym_agents.pid import load_gains
 
 from ship_gym.config import ConfigError
 from ship_gym.scenarios.scenario import load_scenario

@@ -22,7 +22,6 @@ from ship_gym_agents.reference import Guidance, Reference
 # For gains without a reference model: saves kcs some 8 % of the rudder's travel. Radius 2.5 L.
 _TURNS = Reference(frequency=3.0, rate_limit=0.4)
 _HELMSMAN = ("K_p", "K_d", "K_v", "K_b")
-_INSIDE = 0.8  # how near to the way-point the turn passes, over the circle of acceptance
 
 
 class LOSPID(PID):
@@ -31,8 +30,8 @@ class LOSPID(PID):
     Look-ahead steering, Fossen (2021), Handbook of Marine Craft Hydrodynamics and Motion Control,
     2nd ed., chapter 12. The turn at a way-point begins ``turn_radius tan(|d_chi| / 2) + reach``
     before it, where the circle of that radius leaves the leg, unless the environment names the next
-    leg earlier. From there the next leg is the one to reach. A turn so sharp that this circle would
-    miss the circle of acceptance is begun later.
+    leg earlier. From there the next leg is the one to reach; the way-point is passed at the
+    bisector of its angle, so however early that is.
 
     Parameters
     ----------
@@ -81,13 +80,6 @@ class LOSPID(PID):
     def __init__(self, gains: Gains | None = None, name: str = "los_pid"):
         super().__init__(gains, name)
 
-    def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
-        """`count` episodes of `scenario` with `ship` begin together."""
-        super().reset(count, ship, scenario)
-        track = getattr(scenario, "track", None)  # a task of one's own may have none
-        circle = 0.0 if track is None else track.acceptance
-        self._inside = _INSIDE * circle if circle > 0.0 else math.inf
-
     def _gains_for(self, ship: Ship) -> Gains:
         gains = super()._gains_for(ship)
         return dataclasses.replace(gains, reference=gains.reference or _TURNS)
@@ -101,10 +93,7 @@ class LOSPID(PID):
         cross, to_go, p = seen.cross_track, seen.to_go, self._g.guidance
         turn = seen.next_turn * math.pi
         half = 0.5 * np.maximum(np.abs(turn), 1e-6)
-        # A circle of radius R passes the way-point at R (1 / cos(half) - 1).
-        reach = np.minimum(
-            p.turn_radius * np.tan(half) + p.reach, self._inside / np.tan(0.5 * half)
-        )
+        reach = p.turn_radius * np.tan(half) + p.reach
         over = (turn != 0.0) & (to_go <= reach)
         turn = np.where(over, turn, 0.0)
         # position from the way-point is (-to_go, cross), along and to starboard of the active leg

@@ -87,20 +87,21 @@ def plot_profiles(
     Parameters
     ----------
     ratios : mapping
-        Controller to its value over the best value of the same episode, shapes (n,).
+        Controller to its value over the best value of the same episode, infinite where it has
+        none, shapes (n,).
     look : mapping
     path : path-like
     title : str
     """
-    widest = max(float(np.quantile(each, 0.9)) for each in ratios.values())
+    finite = {name: np.sort(each[np.isfinite(each)]) for name, each in ratios.items()}
+    widest = max(float(np.quantile(each, 0.9)) for each in finite.values() if len(each))
     end = float(np.clip(widest, 1.5, 10.0))
     with picture(path, _WIDTH, 3.4) as figure:
         axes = figure.add_subplot()
-        for name, each in ratios.items():
-            steps = np.sort(each)
-            share = np.arange(1, len(steps) + 1) / len(steps)
-            x = np.concatenate([[1.0], steps, [max(end, steps[-1])]])
-            y = np.concatenate([[np.mean(steps <= 1.0)], share, [1.0]])
+        for name, steps in finite.items():
+            share = np.arange(len(steps) + 1) / len(ratios[name])
+            x = np.concatenate([[1.0], steps, [max(end, 1.0, *steps[-1:])]])
+            y = np.append(share, share[-1])
             axes.plot(x, y, color=look[name].colour, label=name, drawstyle="steps-post")
         axes.set_xscale("log")
         axes.set_xlim(1.0, end)

@@ -6,8 +6,9 @@ from pathlib import Path
 import gymnasium as gym
 import pytest
 from ship_gym_agents import make_controller
-from ship_gym_agents.pid import PID, gains_path
-from ship_gym_agents.tune import is_tuned
+from ship_gym_agents.gains_files import gains_path
+from ship_gym_agents.pid import PID
+from ship_gym_agents.tuning import is_tuned
 
 import ship_gym
 from ship_gym.config import ConfigError
@@ -112,7 +113,7 @@ def test_text_and_path_work_alike(mine, kind):
     assert imo_limits(name, 1.179) == imo_limits(ship, 1.179)
     assert ship_gym.scaled(name, 320.0).name == "mine at 320 m"
     assert parametric_mesh(name).report == parametric_mesh(ship).report
-    assert not is_tuned(name, {})
+    assert not is_tuned(PID, name, {})
 
 
 def test_names_and_paths_that_are_none():
@@ -138,13 +139,13 @@ def test_a_copy_is_not_taken_for_the_ship_of_the_package(mine, place):
     assert load_ship(path).name == "own_kvlcc2_model"
     assert load_ship(DATA / "kvlcc2_model" / "ship.toml").name == "kvlcc2_model"
     calm = {"scenario": "heading_slow_disturbance", "seeds": [2_000_000], "ship": str(path)}
-    with pytest.raises(ConfigError, match="no PID gains for ship 'own_kvlcc2_model'"):
+    with pytest.raises(ConfigError, match="no pid gains for ship 'own_kvlcc2_model'"):
         rollout(PID(), **calm)
 
 
 def test_the_pid_says_how_to_get_gains_and_takes_them_from_a_file(mine):
     calm = {"scenario": "heading_slow_disturbance", "seeds": [2_000_000], "ship": "mine/ship.toml"}
-    words = r"no PID gains for ship 'mine' .*ship-gym tune --ship NAME_OR_FILE --out mine.toml"
+    words = r"no pid gains for ship 'mine' .*ship-gym tune --ship NAME_OR_FILE --out mine.toml"
     with pytest.raises(ConfigError, match=words):
         rollout(PID(), **calm)
     shutil.copy(gains_path("kvlcc2_model"), "mine.toml")

@@ -112,7 +112,7 @@ def test_scripts_are_the_verbs(monkeypatch, capsys, verb, script):
         (["train", "--out", "file"], ["file is a file, not a folder"]),
         (["train", "--resume"], ["no run to resume"]),
         (["tune", "--generations", "0"], ["--generations = 0: allowed is 1 to 10000"]),
-        (["tune", "--out", "g.toml"], ["name the ship too"]),
+        (["tune", "--out", "g.toml"], ["name one controller and one ship"]),
         (["tune", "--ship", "kcs", "--out", "g.json"], ["--out g.json: allowed is a .toml file"]),
         (["tune", "--ship", "none.toml"], ["none.toml: no such file"]),
         (["evaluate", "--episodes", "1.5"], ["--episodes = 1.5: must be a whole number"]),
@@ -305,10 +305,10 @@ def test_a_ship_file_stays_a_file_in_what_comes_next(cli, ship_file):
 
 def test_gains_of_an_own_ship_are_found_by_its_name(cli, ship_file, monkeypatch, tmp_path):
     """As in an installed package, which tune does not write into."""
-    from ship_gym_agents import pid
+    from ship_gym_agents import gains_files
 
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    monkeypatch.setattr(pid, "GAINS", tmp_path / "a" / "b" / "c" / "gains")
+    monkeypatch.setattr(gains_files, "GAINS", tmp_path / "a" / "b" / "c" / "gains")
     small = ["--scenario", "heading_calm", "--episodes", 2, "--generations", 1]
     small += ["--set", "duration=20", "sensors.noise=false"]
     code, out, err = cli("tune", "--ship", ship_file, *small)
@@ -324,12 +324,12 @@ def test_gains_of_an_own_ship_are_found_by_its_name(cli, ship_file, monkeypatch,
 
 
 def test_an_installed_package_keeps_its_gains(cli, monkeypatch, tmp_path):
-    from ship_gym_agents import pid
+    from ship_gym_agents import gains_files
 
     gains = tmp_path / "a" / "b" / "gains"
     gains.mkdir(parents=True)
     (gains / "pid_kcs.toml").write_text("")
-    monkeypatch.setattr(pid, "GAINS", gains)
+    monkeypatch.setattr(gains_files, "GAINS", gains)
     code, _, err = cli("tune", "--ship", "kcs")
     assert code == 2 and "--out runs/pid_kcs.toml" in err and err.count("\n") == 1
 

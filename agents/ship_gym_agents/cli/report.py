@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import click
@@ -32,7 +33,7 @@ def command(as_json, results, out, markdown, episodes) -> None:
     if out and markdown:
         raise click.UsageError("--out and --markdown: allowed is one of them")
     from ship_gym.evaluation.episodes_table import read_results
-    from ship_gym_agents.cli.output import need, next_command, progress, show
+    from ship_gym_agents.cli.output import need, progress, show
 
     need("pyarrow", "matplotlib")
     from ship_gym.evaluation.report import write_markdown, write_report
@@ -40,7 +41,8 @@ def command(as_json, results, out, markdown, episodes) -> None:
 
     found = read_results(results)
     if markdown:
-        files = write_markdown(found, markdown, next_command("report", markdown=markdown))
+        words = ["ship-gym", "report", str(results), "--markdown", str(markdown)]
+        files = write_markdown(found, markdown, shlex.join(words))
     else:
         folder = results if results.is_dir() else results.parent
         files = [out or folder / "report.html"]

@@ -35,90 +35,93 @@ from ship_gym_agents.cli.values import Name, whole
 @click.option("--resume", is_flag=True, help="Leave ships with such gains alone.")
 @out(".toml", "Gains; default: see above.")
 def command(as_json, controllers, ships, task, resume, out, structure, **options) -> None:
-    """Tune controllers by CMA-ES, then Nelder-Mead, on seeds kept for tuning.
+    """Tune controllers for ships on seeds kept for tuning; say what it gained.
 
-    Headings are tuned for J_0.1, tracks for the rms distance to the track; three times as many
-    further tuning seeds choose the structure and say what was gained, with its 95 % interval.
+    The search is CMA-ES, then Nelder-Mead. Headings are tuned for J_0.1, tracks for the rms
+    distance to the route; three times as many further tuning seeds choose the structure and say
+    what was gained, with its 95 % interval.
 
     Without --out, a checkout gets the gains in its package; of an installed package, those of your
     own ship file go to your own folder ($XDG_DATA_HOME/ship_gym/gains, or ~/.local/share/...),
     where controllers find them by the ship's name.
     """
+    import dataclasses
+
     from ship_gym_agents.cli.output import next_command, show
     from ship_gym_agents.gains_files import write_gains
     from ship_gym_agents.tuning import gains_file, is_tuned
     from ship_gym_agents.tuning.search import need_optuna
 
     need_optuna()
-    works = _works(list(controllers) or ["pid"], list(ships), task, list(structure), out, options)
-    found, lines = {}, []
-    for work in works:
-        if resume and is_tuned(work.kind, work.ship, work.how, work.path):
-            lines += [f"{work.name} for {work.ship}: tuned already"]
-            continue
-        tuned = _tune(work, options)
-        made = gains_file(tuned, work.how)
-        found[f"{work.name}/{work.ship}"] = _plain(made)
-        lines += _told(work, tuned, write_gains(made, work.path))
-    last = works[-1]
-    sailed = {"ship": last.ship, "scenario": last.env["scenario"]}
-    following = next_command("evaluate", **sailed, controller=[last.path, last.name])
-    show(as_json, {**found, "next": following}, "\n".join([*lines, f"next: {following}"]))
+    found = {}
+    for job in _jobs(list(controllers) or ["pid"], list(ships), out):
+        env, how, chosen = _settings(job, task, list(structure), options)
+        if resume and is_tuned(job.kind, job.ship, how, job.path):
+            lines = [f"{job.name} for {job.ship}: tuned already"]
+        else:
+            tuned = _tune(job, env, chosen, options)
+            made = gains_file(tuned, how)
+            found[f"{job.name}/{job.ship}"] = dataclasses.asdict(made)
+            lines = _told(job, tuned, write_gains(made, job.path))
+        if not as_json:  # at once: the next ship takes minutes
+            click.echo("\n".join(lines))
+    sailed = {"ship": job.ship, "scenario": env["scenario"]}
+    following = next_command("evaluate", **sailed, controller=[job.path, job.name])
+    show(as_json, {**found, "next": following}, f"next: {following}")
 
 
-class _Work(NamedTuple):
-    """One controller to be tuned for one ship."""
+class _Job(NamedTuple):
+    """One controller to be tuned for one ship, and the file for its gains."""
 
     name: str
     kind: type
     ship: str
     path: Path
-    env: dict[str, Any]  # arguments of a rollout but the ship
-    how: dict[str, Any]  # what the file of gains tells of the tuning
-    structures: list[str]
 
 
-def _works(controllers, ships, task, structures, out, options) -> list[_Work]:
+def _jobs(controllers: list[str], ships: list[str], out: Path | None) -> list[_Job]:
     """Everything to be done; refused now if a ship is none or a file has no place."""
     from ship_gym.config import ConfigError
     from ship_gym.ships.files import available_ships
-    from ship_gym_agents.cli.sailing import own_task
-    from ship_gym_agents.controllers import controller_class
+    from ship_gym.ships.loader import load_ship
+    from ship_gym_agents.controllers import CONTROLLERS, controller_class
+    from ship_gym_agents.gains_files import place_for_gains
 
-    everyone = not ships or "all" in ships
-    names = available_ships() if everyone else ships
+    names = available_ships() if not ships or "all" in ships else ships
     if out and len(names) * len(controllers) > 1:
         raise ConfigError("--out is one file: name one controller and one ship too")
-    name = own_task(task)
-    return [
-        _work(key, controller_class(key), ship, name, structures, out, options)
-        for key in controllers
-        for ship in names
-    ]
+    made = []
+    for name in controllers:
+        kind = controller_class(name)
+        if name not in CONTROLLERS and not out:
+            raise ConfigError(f"--controllers {name}: your own needs a file for its gains: --out")
+        for ship in names:
+            path = out or place_for_gains(load_ship(ship).name, kind.KIND)
+            made.append(_Job(name, kind, ship, path))
+    return made
 
 
-def _work(name, kind, ship, task, structures, out, options) -> _Work:
-    from ship_gym.config import ConfigError, check_known
+def _settings(job: _Job, task: str | None, wished: list[str], options: dict):
+    """Arguments of a rollout but the ship, what the file tells of the tuning, the structures.
+
+    Not before the jobs before it are done: a guidance begins at the gains of the PID.
+    """
+    from ship_gym.config import check_known
     from ship_gym.ships.loader import load_ship
-    from ship_gym_agents.cli.sailing import resolved, wanted
-    from ship_gym_agents.controllers import CONTROLLERS
-    from ship_gym_agents.gains_files import place_for_gains
+    from ship_gym_agents.cli.sailing import own_task, resolved, wanted
     from ship_gym_agents.tuning import settings
     from ship_gym_agents.tuning.tune import scenario_for, structures_of
 
-    if name not in CONTROLLERS and not out:
-        raise ConfigError(f"--controllers {name}: your own needs a file for its gains: --out")
+    own = own_task(task)
     sailed = {key: options[key] for key in ("scenario", "control", "overrides")}
-    env = {"scenario": scenario_for(kind), **wanted(sailed, task)}
-    known = structures_of(kind, load_ship(ship))
-    chosen = structures or list(known)
-    for one in chosen:
+    env = {"scenario": scenario_for(job.kind), **wanted(sailed, own)}
+    known = structures_of(job.kind, load_ship(job.ship))
+    for one in wished:
         check_known("structure", one, known)
+    chosen = wished or list(known)
     more = {key: env[key] for key in ("control", "overrides") if key in env}
-    about = resolved(env, task).task
-    how = settings(_size(options), env["scenario"], about, chosen, **more)
-    path = out or place_for_gains(load_ship(ship).name, kind.KIND)
-    return _Work(name, kind, ship, path, env, how, chosen)
+    about = resolved(env, own).task
+    return env, settings(_size(options), env["scenario"], about, chosen, **more), chosen
 
 
 def _size(options: dict) -> Any:
@@ -128,31 +131,24 @@ def _size(options: dict) -> Any:
     return Size(**{key: options[key] for key in keys})
 
 
-def _tune(work: _Work, options: dict) -> Any:
+def _tune(job: _Job, env: dict, structures: list[str], options: dict) -> Any:
     from ship_gym_agents.cli.output import progress
     from ship_gym_agents.tuning import tune
 
-    title = f"{work.name} {work.ship}"
     return tune(
-        work.kind,
-        work.ship,
+        job.kind,
+        job.ship,
         _size(options),
-        name=work.name,
-        structures=work.structures,
-        progress=lambda parts: progress(parts, title),
-        **work.env,
+        name=job.name,
+        structures=structures,
+        progress=lambda parts: progress(parts, f"{job.name} {job.ship}"),
+        **env,
     )
 
 
-def _plain(made: Any) -> dict[str, Any]:
-    import dataclasses
-
-    return dataclasses.asdict(made)
-
-
-def _told(work: _Work, tuned: Any, path: Path) -> list[str]:
+def _told(job: _Job, tuned: Any, path: Path) -> list[str]:
     """Lines of what was found, what it gained and what may be better outside the ranges."""
-    lines = [f"{work.name} for {tuned.ship}: wrote {path}"]
+    lines = [f"{job.name} for {tuned.ship}: wrote {path}"]
     name, unit = tuned.objective.name, tuned.objective.unit
     lines += [f"  {name} {one.cost:8.4f} {unit}  {one.structure}" for one in tuned.ranking]
     g = tuned.gained
@@ -161,8 +157,8 @@ def _told(work: _Work, tuned: Any, path: Path) -> list[str]:
         f"  gained over {tuned.before} ({tuned.cost_before:.4f}): {g.value:+.4f} "
         f"[{g.low:+.4f}, {g.high:+.4f}] {unit}{sure}, {len(tuned.best.costs)} validation seeds"
     ]
-    for gain, bound in tuned.best.at_bounds.items():
-        lines += [
-            f"  WARNING: {gain} lies at the bound {bound:g} of its range: a wider one may do better"
-        ]
+    lines += [
+        f"  WARNING: {gain} lies at the bound {bound:g} of its range: a wider one may do better"
+        for gain, bound in tuned.best.at_bounds.items()
+    ]
     return lines

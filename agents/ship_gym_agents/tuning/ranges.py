@@ -52,11 +52,18 @@ def ranges_of(controller: type, gains: Any, free: Sequence[str]) -> dict[str, Ra
     return found
 
 
+def has_leaf(gains: Any, name: str) -> bool:
+    """Whether gains have a value of this dotted name."""
+    for part in name.split("."):
+        gains = getattr(gains, part, None)
+    return gains is not None
+
+
 def leaf(gains: Any, name: str) -> Any:
     """Value of a gain by its dotted name."""
+    if not has_leaf(gains, name):
+        raise ConfigError(f"gains have no {name!r} to tune")
     for part in name.split("."):
-        if gains is None or not hasattr(gains, part):
-            raise ConfigError(f"gains have no {name!r} to tune")
         gains = getattr(gains, part)
     return gains
 

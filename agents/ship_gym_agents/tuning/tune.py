@@ -7,18 +7,27 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ship_gym.config import ConfigError, check_known
+from ship_gym.evaluation.comparison import per_episode
 from ship_gym.evaluation.rollout import begin, rollout, tuning_seeds
-from ship_gym.evaluation.statistics import Estimate, estimate, per_episode
+from ship_gym.evaluation.statistics import Estimate, estimate
+from ship_gym.provenance import sha256
 from ship_gym.ships import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym_agents.gains_files import find_gains, load_gains
 from ship_gym_agents.tuning.objective import Objective, episode_costs, objective_of
-from ship_gym_agents.tuning.ranges import Range, at_bounds, leaf, ranges_of, with_leaves
+from ship_gym_agents.tuning.ranges import (
+    Range,
+    at_bounds,
+    has_leaf,
+    leaf,
+    ranges_of,
+    with_leaves,
+)
 from ship_gym_agents.tuning.search import Size, need_optuna, search
 
 VALIDATION = 3  # times as many episodes to choose the structure as to tune its gains
@@ -160,7 +169,8 @@ def tune(
 ) -> Tuning:
     """Tune every structure of a controller for a ship.
 
-    Each structure begins at what the ones before it found.
+    A structure begins at the tuned gains that there are, else at what the structures before it
+    found, else at its own start.
 
     Parameters
     ----------
@@ -190,60 +200,81 @@ def tune(
         check_known("structure", structure, known)
     seeds = tuning_seeds((1 + VALIDATION) * size.episodes)
     tick = _ticker(progress, len(names) * (size.generations + bool(size.polish) + 1))
+    before, what = _before(controller, load_ship(ship))
     ranking, found = [], {}
     for structure in names:
         gains, free = known[structure]
-        ranges = _begun_at(ranges_of(controller, gains, free), found)
-        tuned, values = _tune_one(controller, structure, gains, ranges, size, seeds, tick, env)
+        ranges = _begun_at(ranges_of(controller, gains, free), before, found)
+        job = _Job(controller, objective.name, structure, gains, ranges, env)
+        tuned, values = _tune_one(job, size, seeds, tick)
         ranking.append(tuned)
         found |= values
     ranking.sort(key=lambda tuned: tuned.cost)
-    before, costs = _before(controller, load_ship(ship), seeds[size.episodes :], env)
+    start = before or _starts(controller, load_ship(ship))
+    costs = episode_costs(controller(start), seeds[size.episodes :], **env)
     gained = estimate(np.subtract(ranking[0].costs, costs), np.mean)
     return Tuning(
-        name or controller.KIND, load_ship(ship).name, objective, tuple(ranking), before,
+        name or controller.KIND, load_ship(ship).name, objective, tuple(ranking), what,
         float(costs.mean()), gained,
     )  # fmt: skip
 
 
-def _begun_at(ranges: Mapping[str, Range], found: Mapping[str, float]) -> dict[str, Range]:
-    return {name: r._replace(start=found.get(name, r.start)) for name, r in ranges.items()}
-
-
-def _tune_one(controller, name, gains, ranges, size, seeds, tick, env):
-    """One structure tuned and validated, and its free gains by name."""
-    tuning, validation = seeds[: size.episodes], seeds[size.episodes :]
-    values, cost = search(
-        lambda candidates: mean_costs(controller, gains, candidates, tuning, **env),
-        ranges, size, tick,
-    )  # fmt: skip
-    best = with_leaves(gains, values)
-    rows = per_episode(rollout(controller(best), seeds=validation, parallel=False, **env))
-    costs = episode_costs(controller(best), validation, **env)
-    tick()
-    means = {key: float(np.mean(rows[key])) for key in _REPORTED if key in rows}
-    found = Tuned(name, best, cost, tuple(costs.tolist()), means, at_bounds(values, ranges))
-    return found, values
-
-
-def _before(controller: type, ship: Ship, seeds: list[int], env: dict) -> tuple[str, np.ndarray]:
-    """What was there before, and its costs: the tuned gains of the ship, else those to begin at."""
+def _before(controller: type, ship: Ship) -> tuple[Any, str]:
+    """The tuned gains of the ship that there are, None without, and what to call them."""
     path = find_gains(ship.name, controller.KIND)
     if path is None:
-        gains, what = controller.first_gains(ship), "the gains that tuning begins at"
-        starts = {name: start for name, (_, _, start) in controller.TUNED.items()}
-        given = {k: v for k, v in starts.items() if v is not None and _has(gains, k)}
-        gains = with_leaves(gains, given)
-    else:
-        gains, what = load_gains(path, controller).gains, path.name
-    return what, episode_costs(controller(gains), seeds, **env)
+        return None, "the gains that tuning begins at"
+    return load_gains(path, controller).gains, f"{path.name}, sha256 {sha256(path)[:12]}"
 
 
-def _has(gains: Any, name: str) -> bool:
-    try:
-        return leaf(gains, name) is not None
-    except ConfigError:
-        return False
+def _starts(controller: type, ship: Ship) -> Any:
+    """Gains that tuning begins at where there are none."""
+    gains = controller.first_gains(ship)
+    starts = {name: start for name, (_, _, start) in controller.TUNED.items()}
+    given = {k: v for k, v in starts.items() if v is not None and has_leaf(gains, k)}
+    return with_leaves(gains, given)
+
+
+def _begun_at(
+    ranges: Mapping[str, Range], before: Any, found: Mapping[str, float]
+) -> dict[str, Range]:
+    """Ranges that begin at the gains of before, where they have such and it is in the range."""
+    begun = {}
+    for name, one in ranges.items():
+        start = leaf(before, name) if has_leaf(before, name) else None
+        if start is None or not one.low <= start <= one.high:
+            start = found.get(name, one.start)
+        begun[name] = one._replace(start=float(start))
+    return begun
+
+
+class _Job(NamedTuple):
+    """One structure to be tuned."""
+
+    controller: type
+    objective: str
+    structure: str
+    gains: Any
+    ranges: dict[str, Range]
+    env: dict[str, Any]
+
+
+def _tune_one(job: _Job, size: Size, seeds: list[int], tick: Callable[[], None]):
+    """One structure tuned and validated, and its free gains by name."""
+    kind, tuning, validation = job.controller, seeds[: size.episodes], seeds[size.episodes :]
+    found, cost = search(
+        lambda candidates: mean_costs(kind, job.gains, candidates, tuning, **job.env),
+        job.ranges,
+        size,
+        tick,
+    )
+    best = with_leaves(job.gains, found)
+    rows = per_episode(rollout(kind(best), seeds=validation, parallel=False, **job.env))
+    tick()
+    known = {key: [x for x in rows.get(key, ()) if x is not None] for key in _REPORTED}
+    means = {key: float(np.mean(values)) for key, values in known.items() if values}
+    costs, bounds = tuple(rows[job.objective]), at_bounds(found, job.ranges)
+    return Tuned(job.structure, best, cost, costs, means, bounds), found
 
 
 def _ticker(progress: Callable | None, parts: int) -> Callable[[], None]:

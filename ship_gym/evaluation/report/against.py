@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,7 +10,8 @@ import numpy as np
 from ship_gym.evaluation.report import words
 from ship_gym.evaluation.report.benchmark import Benchmark
 from ship_gym.evaluation.report.events import NOTHING, Event, slug
-from ship_gym.evaluation.report.judge import SIGNIFICANT, Difference
+from ship_gym.evaluation.report.judgements import SIGNIFICANT, Difference
+from ship_gym.evaluation.statistics import ratios_to_best
 from ship_gym.plotting.benchmark import plot_polar, plot_profiles
 from ship_gym.plotting.figure import for_page
 from ship_gym.reports.page import Cell, Grid, Picture, Row, Section, Text
@@ -51,10 +53,11 @@ def where_policies_lose(found: Benchmark) -> Section:
 
 def _about_family(found: Benchmark) -> str:
     return (
-        "Paired differences, seed by seed, of the measure: controller minus the best classical one "
-        "of the cell. The opponent was chosen by the same episodes, which is in its favour. "
-        f"p-values are corrected by Holm for the {len(found.differences)} differences of this "
-        f"report; better and worse mean p < {SIGNIFICANT:g}."
+        "Mean of the paired differences, seed by seed, of the measure: controller minus the best "
+        "classical one of the cell. The opponent was chosen by the same episodes, which is in its "
+        "favour. p-values are those of the sign-flip test, corrected by Holm for the "
+        f"{len(found.differences)} differences of this report; better and worse mean "
+        f"p < {SIGNIFICANT:g}."
     )
 
 
@@ -85,7 +88,8 @@ def profiles(found: Benchmark) -> Section:
         "For every episode, each controller's measure is divided by the smallest that any of them "
         "reached on that seed. The curve is the share of episodes in which a controller stays "
         "within the factor; its left end is how often it is the best. Only controllers that sailed "
-        "all cells of a suite and ship, and episodes that all of them finished; without constant."
+        "all cells of a suite and ship; an episode that broke off is beyond every factor. Without "
+        "constant."
     )
     pictures = [each for pair in _groups(found) if (each := _profile(found, *pair))]
     return Section("Performance profiles", [Text(text), Row(pictures)] if pictures else [])
@@ -105,7 +109,7 @@ def _profile(found: Benchmark, suite: str, ship: str) -> Picture | None:
     ratios = [each for each in ratios if each is not None]
     if not ratios:
         return None
-    joined = {name: np.concatenate([each[name] for each in ratios]) for name in names}
+    joined = dict(zip(names, np.concatenate(ratios, axis=1), strict=True))
     count = len(joined[names[0]])
     caption = f"Suite {suite}, {ship}: {words.plural(len(ratios), 'cell')}, {count} episodes."
     return for_page(
@@ -115,15 +119,14 @@ def _profile(found: Benchmark, suite: str, ship: str) -> Picture | None:
     )
 
 
-def _ratios(event: Event, names: Sequence[str]) -> dict[str, np.ndarray] | None:
-    """Measure over the episode's smallest, of the seeds that all finished; None without any."""
-    seeds = event.finished(names)
-    values = {name: event.runs[name].at(seeds) for name in names}
-    best = np.min(list(values.values()), axis=0)
-    kept = best > 0.0  # the rest says nothing about a ratio
-    if not kept.any():
-        return None
-    return {name: each[kept] / best[kept] for name, each in values.items()}
+def _ratios(event: Event, names: Sequence[str]) -> np.ndarray | None:
+    """Measure over the episode's smallest, shape (controllers, episodes); None without any."""
+    runs = [event.runs[name] for name in names]
+    seeds = functools.reduce(np.intersect1d, [run.seeds for run in runs])
+    values = np.array([run.at(seeds) for run in runs])
+    kept = ~(values <= 0.0).any(axis=0)  # what is zero says nothing about a ratio
+    kept &= np.isfinite(values).any(axis=0)
+    return ratios_to_best(values[:, kept]) if kept.any() else None
 
 
 def wave_headings(found: Benchmark) -> Section:

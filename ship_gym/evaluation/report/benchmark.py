@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from ship_gym.evaluation.report.events import NOTHING, Event, events
-from ship_gym.evaluation.report.judge import Difference, Scale, differences, mean_score, scale
-from ship_gym.evaluation.report.numbers import read_references
+from ship_gym.evaluation.report.judgements import Difference, Scale, differences, scale
+from ship_gym.evaluation.score import FILE, References, mean_score, read_references
 from ship_gym.evaluation.statistics import Estimate
 from ship_gym.plotting.benchmark import Style, styles
 
@@ -73,20 +73,21 @@ class Benchmark:
 
     def mean_score(self, controller: str, among: Sequence[Event]) -> Estimate | None:
         """Mean score of a controller over those events among some in which it has one."""
-        cells = [(event, self.scales[event]) for event in self.scored(controller, among)]
-        return mean_score(cells, controller)
+        cells = self.scored(controller, among)
+        return mean_score([(e.runs[controller].values, self.scales[e].cell) for e in cells])
 
 
-def judge(results: Results, references: Mapping[str, Mapping[str, Any]] | None = None) -> Benchmark:
+def judge(results: Results, references: References | None = None) -> Benchmark:
     """Judge results.
 
     Parameters
     ----------
     results : Results
-    references : mapping, optional
-        Reference values by ``scenario/ship``; default: those of ShipBench-1.
+    references : References, optional
+        What scores are measured against; default: those of ShipBench-1. An event without one is
+        measured against the results' own episodes.
     """
-    known = read_references() if references is None else references
+    known = read_references() if references is None and FILE.exists() else references
     found = events(results.table)
     names = sorted({name for event in found for name in event.runs})
     return Benchmark(

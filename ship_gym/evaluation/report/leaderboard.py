@@ -157,7 +157,7 @@ def _cell_grid(found: Benchmark, suite: str, among: Sequence[Event]) -> Grid:
         texts = [each if isinstance(each, Cell) else words.score(each) for each in marked]
         scaled = found.scales[event]
         name = Cell(f"{event.scenario}, {event.ship}", event.anchor)
-        scale = f"{scaled.by}, {scaled.source}"
+        scale = f"{scaled.cell.reference_controller}, {scaled.source}"
         rows.append([name, event.tier, event.measure, *texts, words.score(scaled.optimum), scale])
     header = ["cell", "tier", "measure", *names, "optimum", "scale"]
     return Grid(f"suite {suite}", header, rows, left=3)

@@ -64,10 +64,13 @@ def _about(found: Benchmark, event: Event) -> str:
     text += f"{words.plural(n, 'seed')}. "
     if scaled.why:
         return f"{text}No score: {scaled.why}."
-    text += f"Score 0 at {words.number(scaled.nothing)}, 100 at {words.number(scaled.reference)} "
-    text += f"({scaled.by}, {scaled.source})"
-    optimum = scaled.optimum
-    return text + ("." if optimum is None else f"; the optimum has {words.score(optimum)}.")
+    cell = scaled.cell
+    text += f"Score 0 at {words.number(cell.nothing)}, 100 at {words.number(cell.reference)} "
+    text += f"({cell.reference_controller}, {scaled.source})"
+    if cell.optimum is None:
+        return f"{text}."
+    text += f"; the optimum ({cell.optimum_kind}, {cell.optimum_seeds} seeds) has "
+    return f"{text}{words.number(cell.optimum)}, a score of {words.score(scaled.optimum)}."
 
 
 def _table(found: Benchmark, event: Event) -> Grid:
@@ -83,7 +86,7 @@ def _table(found: Benchmark, event: Event) -> Grid:
     header += ["success", "failed", *(["errors"] if broke else [])]
     rows = []
     for name, run in event.runs.items():
-        scored = found.scales[event].estimate(run.estimate)
+        scored = found.scales[event].estimate(run.values)
         row = [name, words.interval(run.estimate), words.score_interval(scored)]
         row += [words.number(run.middle(each)) for each in others]
         row += [words.interval(run.of(each)) for each in wear]
@@ -138,13 +141,15 @@ def _pareto(found: Benchmark, event: Event, wear: str) -> Picture | None:
             (event.measure, event.metric.unit),
         )
     )
+    cell = found.scales[event].cell
+    optimum = cell.optimum if cell else None
     caption = (
         f"{event.cell}: error against wear with 95 % intervals. The line joins the controllers "
         "that no other one equals or beats in both. Without constant."
     )
     return for_page(
         caption,
-        lambda path: plot_pareto(points, found.look, labels, path, event.cell),
+        lambda path: plot_pareto(points, found.look, labels, path, event.cell, optimum),
         f"{wear}_{event.anchor}",
     )
 

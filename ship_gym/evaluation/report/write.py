@@ -9,10 +9,10 @@ from pathlib import Path
 from ship_gym.evaluation.report import against, background, episodes, leaderboard, scenarios, words
 from ship_gym.evaluation.report.benchmark import Benchmark, Results, judge
 from ship_gym.reports.markdown_page import write_markdown_page
-from ship_gym.reports.page import Section, Text, write_page
+from ship_gym.reports.page import Command, Section, Text, write_page
 
 PICTURES = 24  # episodes that are sailed again and drawn
-_MARK = "Written by `ship-gym report`; run it again instead of editing."
+_MARK = "Written by `{}`; run it again instead of editing."
 
 
 def write_report(
@@ -56,7 +56,9 @@ def write_report(
     write_page(path, title(found), under(found), parts)
 
 
-def write_markdown(results: Results, path: str | os.PathLike, sources: str = "") -> list[Path]:
+def write_markdown(
+    results: Results, path: str | os.PathLike, command: str = "ship-gym report"
+) -> list[Path]:
     """Write the results page of the documentation: tables, and pictures in a folder beside it.
 
     Parameters
@@ -64,8 +66,8 @@ def write_markdown(results: Results, path: str | os.PathLike, sources: str = "")
     results : Results
     path : path-like
         Markdown file; the pictures go to the folder of its name.
-    sources : str
-        The command that makes it, for the page.
+    command : str
+        What makes it, for the page.
 
     Returns
     -------
@@ -73,9 +75,9 @@ def write_markdown(results: Results, path: str | os.PathLike, sources: str = "")
         The files written.
     """
     found = judge(results)
-    made = f"{under(found)}." + (f" Made by `{sources}`." if sources else "")
+    sailed = str(found.about.get("command", ""))
     parts = [
-        Section("", [Text(made)]),
+        Section("", [Text(f"{under(found)}. Made by:"), Command(f"{sailed}\n{command}".strip())]),
         leaderboard.leaderboard(found),
         against.where_policies_lose(found),
         leaderboard.cells(found),
@@ -86,7 +88,7 @@ def write_markdown(results: Results, path: str | os.PathLike, sources: str = "")
         background.errors(found),
         background.provenance(found),
     ]
-    return write_markdown_page(path, title(found), _MARK, parts)
+    return write_markdown_page(path, title(found), _MARK.format(command), parts)
 
 
 def title(found: Benchmark) -> str:

@@ -76,3 +76,9 @@ def made_up(controllers=tuple(CONTROLLERS), scenarios=tuple(SCENARIOS), seeds=SE
 @pytest.fixture(scope="session")
 def results():
     return made_up()
+
+
+@pytest.fixture(scope="session")
+def many():
+    """Enough episodes for small p-values."""
+    return made_up(seeds=range(2_000_000, 2_000_024), scenarios=("heading_keeping",))

@@ -1,0 +1,99 @@
+import dataclasses
+
+import numpy as np
+import pytest
+from ship_gym_agents import gains_files, make_controller
+from ship_gym_agents.controllers import controller_class
+from ship_gym_agents.drift_los import DriftLOS
+from ship_gym_agents.gains_files import GainsFile, gains_type, kind_of, load_gains, write_gains
+from ship_gym_agents.los import ILOS
+from ship_gym_agents.pid import PID, Gains, gains_of
+from ship_gym_agents.reference import Guidance
+
+from ship_gym import load_ship
+from ship_gym.config import ConfigError
+
+MINE = """
+import dataclasses
+import numpy as np
+
+@dataclasses.dataclass(frozen=True)
+class Gains:
+    K: float = 1.0
+
+class P:
+    KIND = "p"
+    TUNED = {"K": (0.1, 10.0, 1.0)}
+
+    def __init__(self, gains=None, name="p"):
+        self.gains, self.name = gains or Gains(), name
+
+    @classmethod
+    def first_gains(cls, ship) -> Gains:
+        return Gains()
+
+    def reset(self, count, ship, scenario):
+        pass
+
+    def act(self, seen):
+        return -np.asarray(self.gains.K)[..., None] * seen[:, :1]
+"""
+
+
+@pytest.mark.parametrize(("kind", "law"), [("pid", PID), ("ilos", ILOS), ("drift_los", DriftLOS)])
+def test_a_file_makes_the_controller_that_it_is_of(tmp_path, kind, law):
+    gains = Gains(2.0, -0.5, guidance=Guidance(look_ahead=2.0, reach=-0.3))
+    made = GainsFile("kcs", gains, {"seed": [1, 2]}, {"ship-gym": "0"}, kind)
+    path = write_gains(made, tmp_path / "mine.toml")
+    assert kind_of(path) == kind and load_gains(path, law) == made
+    controller = make_controller(path)
+    assert type(controller) is law and controller.gains == gains and controller.name == "mine"
+
+
+def test_gains_of_ones_own_class(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.py").write_text(MINE)
+    mine = controller_class("mine.py:P")
+    made = GainsFile("kcs", gains_type(mine)(K=3.0), {}, {}, "mine.py:P")
+    path = write_gains(made, tmp_path / "p.toml")
+    assert make_controller(path).gains.K == 3.0
+
+
+def test_gains_of_another_ship():
+    """``pid@kcs`` steers whatever ship with the gains of kcs."""
+    foreign = make_controller("pid@kcs")
+    assert foreign.name == "pid@kcs" and foreign.gains == gains_of(load_ship("kcs"))
+    assert make_controller("drift_los@kvlcc2").gains == DriftLOS.gains_for(load_ship("kvlcc2"))
+    with pytest.raises(ConfigError, match="did you mean 'kcs'"):
+        make_controller("pid@kcz")
+    with pytest.raises(ConfigError, match="'constant' has no gains; allowed are pid"):
+        make_controller("constant@kcs")
+    with pytest.raises(ConfigError, match="did you mean 'pid'"):
+        make_controller("pidd@kcs")
+
+
+def test_a_guidance_without_gains_of_its_own_takes_the_pid_s(monkeypatch, tmp_path):
+    """A ship of one's own for which only the PID is tuned sails tracks too."""
+    stranger = dataclasses.replace(load_ship("kcs"), name="stranger")
+    monkeypatch.setattr(gains_files, "GAINS", tmp_path)
+    write_gains(GainsFile("stranger", Gains(1.5, 0.5), {}, {}), tmp_path / "pid_stranger.toml")
+    found = ILOS.gains_for(stranger)
+    assert found.K_p == 1.5 and found.guidance == Guidance() and found.reference is not None
+    own = dataclasses.replace(found, K_p=2.5)
+    write_gains(GainsFile("stranger", own, {}, {}, "ilos"), tmp_path / "ilos_stranger.toml")
+    assert ILOS.gains_for(stranger).K_p == 2.5
+    assert gains_files.tuned_ships("ilos") == ["stranger"]
+
+
+def test_a_kind_without_gains_says_how_to_tune():
+    stranger = dataclasses.replace(load_ship("kcs"), name="stranger")
+    with pytest.raises(ConfigError, match=r"no ilos gains.*tune --controllers ilos --ship"):
+        gains_files.tuned_file(stranger, ILOS)
+
+
+def test_numbers_of_numpy_are_refused(tmp_path):
+    """A file holds plain numbers: an array of candidates is no result."""
+    made = GainsFile("kcs", Gains(np.ones(3), np.ones(3)), {}, {})
+    with pytest.raises(ConfigError, match="cannot write"):
+        write_gains(made, tmp_path / "x.toml")
+    assert not (tmp_path / "x.toml").exists()
