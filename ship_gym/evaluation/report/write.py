@@ -48,7 +48,7 @@ def write_report(
         against.differences(found),
         against.profiles(found),
         against.wave_headings(found),
-        *scenarios.scenarios(found, drawn),
+        *scenarios.scenarios(found, drawn, progress),
         background.controllers(found),
         background.errors(found),
         background.provenance(found),
@@ -75,9 +75,9 @@ def write_markdown(
         The files written.
     """
     found = results if isinstance(results, Benchmark) else judge(results)
-    sailed = str(found.about.get("command", ""))
+    commands = dict.fromkeys(filter(None, (str(found.about.get("command", "")), command)))
     parts = [
-        Section("", [Text(f"{under(found)}. Made by:"), Command(f"{sailed}\n{command}".strip())]),
+        Section("", [Text(f"{under(found)}. Made by:"), Command("\n".join(commands))]),
         leaderboard.leaderboard(found),
         against.where_policies_lose(found),
         leaderboard.cells(found),
