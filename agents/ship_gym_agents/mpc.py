@@ -57,7 +57,7 @@ class TrackWeights:
     drift_time: float = 3.0
 
     def __post_init__(self):
-        check_gains("gains.track", self, positive=[f.name for f in dataclasses.fields(self)])
+        check_gains("gains.track", self, positive=tuple(f.name for f in dataclasses.fields(self)))
 
 
 @dataclasses.dataclass(frozen=True)

@@ -146,18 +146,15 @@ def test_two_controllers_of_one_name_are_refused(run, tmp_path):
         run(controllers=[*own(tmp_path, "Good"), f"{copy}:Good"])
 
 
-MIXED = (
-    SUITE
-    + """
+TRACK = """
 [[scenario]]
 name = "track_calm"
 controllers = ["ilos"]
 """
-)
 
 
 def test_a_controller_sails_what_it_does_not_refuse(tmp_path):
-    suite = write_suite(tmp_path, MIXED)
+    suite = write_suite(tmp_path, SUITE + TRACK)
     found = plan(suite, entrant, seeds=1)
     steering = {cell.entry.name: cell.controllers for cell in found.cells}
     assert steering["track_calm"] == ("constant", "ilos") and not found.refused
@@ -170,9 +167,7 @@ def test_a_controller_sails_what_it_does_not_refuse(tmp_path):
         ("ppo_kcs", "track_calm")
     ]
     assert "trained on 'heading_keeping'" in found.refused[0]["why"]
-    only = SUITE.partition("[[scenario]]")[0] + MIXED.rpartition("[[scenario]]")[2].join(
-        ["[[scenario]]", ""]
-    )
+    only = SUITE.partition("[[scenario]]")[0] + TRACK
     with pytest.raises(ConfigError, match="controller ppo_kcs sails nothing here: policy ppo_kcs"):
         plan(write_suite(tmp_path, only), entrant, seeds=1, controllers=["ppo_kcs"])
 
