@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from _cli import parser, progress, run, show
-from ship_gym.evaluation.suite import ALWAYS, load_suites
 from ship_gym_agents import make_controller
 
 from ship_gym.config import ConfigError
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.evaluation import headroom
+from ship_gym.evaluation.suite import ALWAYS, load_suites
 from ship_gym.ships.files import DATA
 from ship_gym.tasks import TASKS
 from ship_gym.text import table

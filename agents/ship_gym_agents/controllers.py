@@ -22,6 +22,7 @@ from ship_gym_agents.lqg import LQG
 from ship_gym_agents.mpc import MPC
 from ship_gym_agents.pid import PID
 from ship_gym_agents.plugins import is_own, load_object, own_controller
+from ship_gym_agents.speed_keeping import JustInTime
 
 CONTROLLERS: dict[str, Callable[[], Controller]] = {
     "constant": ConstantController,
@@ -31,6 +32,7 @@ CONTROLLERS: dict[str, Callable[[], Controller]] = {
     "drift_los": DriftLOS,
     "adaptive": Adaptive,
     "bang_bang": BangBang,
+    "just_in_time": JustInTime,
     "lqg": LQG,
     "mpc": MPC,
 }

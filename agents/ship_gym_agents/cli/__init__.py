@@ -20,6 +20,8 @@ from ship_gym_agents.cli.output import run
 VERBS = {
     "train": "Train a policy: validated on separate seas, best one kept, can be resumed.",
     "evaluate": "Sail controllers on the same evaluation episodes; print their metrics.",
+    "benchmark": "Sail suites of scenarios with several ships and controllers; score them.",
+    "report": "Write the page of a benchmark from its results, a file or the folder of a run.",
     "bound": "Estimate the best that control can reach: optimised plans with full knowledge.",
     "record": "Record one episode as a rerun file, read it back and compute its metrics.",
     "review": "Print the metrics of recordings side by side, computed from the files.",
