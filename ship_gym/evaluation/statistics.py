@@ -49,13 +49,13 @@ def interquartile_mean(values: np.ndarray, axis: int = -1) -> np.ndarray:
     return stats.trim_mean(values, 0.25, axis=axis)
 
 
-@functools.lru_cache(maxsize=8)  # a report asks a thousand times for the same ones
+@functools.lru_cache(maxsize=4)  # a report asks for the same ones thousands of times
 def draws(n: int, resamples: int = RESAMPLES) -> np.ndarray:
-    """How often each of `n` episodes is drawn in each resample, shape (resamples, n), read-only."""
+    """How often each of `n` episodes is drawn in each resample, shape (resamples, n), read only."""
     rng = np.random.default_rng((_SEED, n))
-    counts = rng.multinomial(n, np.full(n, 1.0 / n), size=resamples).astype(np.float64)
-    counts.setflags(write=False)
-    return counts
+    found = rng.multinomial(n, np.full(n, 1.0 / n), size=resamples).astype(np.float64)
+    found.setflags(write=False)
+    return found
 
 
 def tails(resampled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -11,6 +11,7 @@ from ship_gym_agents.entrants import entrant
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import benchmark, read_results
+from ship_gym.evaluation.plan import plan
 from ship_gym.evaluation.run_folder import RunFolder
 from tests.evaluation.benchmarking import SUITE, own, without_times, write_suite
 
@@ -143,6 +144,32 @@ def test_two_controllers_of_one_name_are_refused(run, tmp_path):
     copy.write_text((tmp_path / "own.py").read_text())
     with pytest.raises(ConfigError, match="two controllers are named 'good'"):
         run(controllers=[*own(tmp_path, "Good"), f"{copy}:Good"])
+
+
+TRACK = """
+[[scenario]]
+name = "track_calm"
+controllers = ["ilos"]
+"""
+
+
+def test_a_controller_sails_what_it_does_not_refuse(tmp_path):
+    suite = write_suite(tmp_path, SUITE + TRACK)
+    found = plan(suite, entrant, seeds=1)
+    steering = {cell.entry.name: cell.controllers for cell in found.cells}
+    assert steering["track_calm"] == ("constant", "ilos") and not found.refused
+    assert steering["heading_calm"] == ("constant", f"{tmp_path / 'own.py'}:Good")
+    found = plan(suite, entrant, seeds=1, controllers=["pid", "ppo_kcs"])
+    steering = {cell.entry.name: cell.controllers for cell in found.cells}
+    assert steering["track_calm"] == ("constant", "pid")
+    assert steering["heading_calm"] == ("constant", "pid", "ppo_kcs")
+    assert [(one["controller"], one["scenario"]) for one in found.refused] == [
+        ("ppo_kcs", "track_calm")
+    ]
+    assert "trained on 'heading_keeping'" in found.refused[0]["why"]
+    only = SUITE.partition("[[scenario]]")[0] + TRACK
+    with pytest.raises(ConfigError, match="controller ppo_kcs sails nothing here: policy ppo_kcs"):
+        plan(write_suite(tmp_path, only), entrant, seeds=1, controllers=["ppo_kcs"])
 
 
 def test_ray_that_is_not_installed_is_told_with_its_extra(run, monkeypatch, tmp_path):

@@ -30,7 +30,7 @@ def voyage(places, points=CORNER, outcome="arrived", failed=False, duration=None
         legs.append(min(k + over, len(points) - 2))
     limits = {"cross_track": 5.0, "corridor": 0.5}
     meta = {
-        "ship": {"L": L, "scale": 1.0},
+        "ship": {"L": L, "scale": 1.0, "m_u": 1e6, "efficiency": 0.7, "power_max": 1e6},
         "config": {
             "limits": limits,
             "duration": float(duration or len(places) - 1),
@@ -41,6 +41,8 @@ def voyage(places, points=CORNER, outcome="arrived", failed=False, duration=None
         "failed": failed,
     }
     columns = {"t": np.arange(len(places)), "x": x, "y": y, "leg": np.array(legs)}
+    still = ("u", "v", "psi", "n", "torque", "current_speed", "current_direction_to")
+    columns |= dict.fromkeys(still, np.zeros(len(places)))
     return Trajectory(columns | {"cross_track_error": np.full(len(places), first.cross)}, meta)
 
 
