@@ -346,9 +346,10 @@ class ShipSim:
 def longest_step(ship: Ship) -> float:
     """Longest integration step [s], L / (28 U0): 1.1 s for KCS at 14.5 kn.
 
-    At it the heading in a 35 deg turn is within 1e-4 rad of the converged one (tests/physics).
+    At it the heading in a 35 deg turn is within 1e-4 rad of the converged one (tests/physics). A
+    ship whose nominal speed is less than her file's can still go ahead as fast as that.
     """
-    return ship.hull.L / (28.0 * ship.speed)
+    return ship.hull.L / (28.0 * max(ship.speed, ship.file_speed))
 
 
 def straight_forces(ship: Ship, speed: float, n: float):

@@ -13,12 +13,16 @@ from typing import Any
 from ship_gym.config import ConfigError, check_known
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.ships import load_ship
+from ship_gym_agents.adaptive import Adaptive
+from ship_gym_agents.bang_bang import BangBang
 from ship_gym_agents.drift_los import DriftLOS
 from ship_gym_agents.gains_files import kind_of, load_gains, tuned_file
 from ship_gym_agents.los import ILOS, LOSPID
 from ship_gym_agents.lqg import LQG
+from ship_gym_agents.mpc import MPC
 from ship_gym_agents.pid import PID
 from ship_gym_agents.plugins import is_own, load_object, own_controller
+from ship_gym_agents.speed_keeping import JustInTime
 
 CONTROLLERS: dict[str, Callable[[], Controller]] = {
     "constant": ConstantController,
@@ -26,7 +30,11 @@ CONTROLLERS: dict[str, Callable[[], Controller]] = {
     "los_pid": LOSPID,
     "ilos": ILOS,
     "drift_los": DriftLOS,
+    "adaptive": Adaptive,
+    "bang_bang": BangBang,
+    "just_in_time": JustInTime,
     "lqg": LQG,
+    "mpc": MPC,
 }
 PRETRAINED = Path(__file__).parent / "pretrained"
 

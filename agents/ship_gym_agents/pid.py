@@ -161,6 +161,7 @@ class PID(Autopilot):
         """Clear the integrals; `count` episodes of `scenario` with `ship` begin together."""
         super().reset(count, ship, scenario)
         self._integral = np.zeros(count)
+        self._most = self._limit  # rudder angle of this law at which the rudder is hard over
 
     def _rudder(self, seen: View, motion, wanted) -> np.ndarray:
         """Rudder angle [rad] that may exceed the largest; takes the integral one interval on."""
@@ -169,6 +170,6 @@ class PID(Autopilot):
         integral = self._integral + error * self._step
         damping = g.K_d * (motion[1] - wanted[1]) + g.K_v * (motion[2] - wanted[2])
         delta = -(g.K_p * error + g.K_i * integral + damping) + g.K_b * motion[3] + wanted[3]
-        winding = (np.abs(delta) > self._limit) & (delta * error < 0.0)
+        winding = (np.abs(delta) > self._most) & (delta * error < 0.0)
         self._integral = np.where(winding, self._integral, integral)
         return delta

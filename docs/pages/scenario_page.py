@@ -40,7 +40,11 @@ current_speed = 0.5
 ```
 
 Unknown keys and values that are not allowed are refused; the message names the nearest key, or
-says what is allowed."""
+says what is allowed.
+
+A fleet is one scenario sailed by several ships, each in the same seas: `ShipVectorEnv(64,
+ship=["kcs", "kvlcc2", "onrt"])` trains one policy on all of them, and a benchmark over `--ships`
+judges one controller on each."""
 
 # where a key is explained whose own class refers to another one ("As in ...") or says nothing
 _ELSEWHERE = {Scenario: (ShipEnv,), sea_range.SeaRange: (WaveSystem, Sea)}

@@ -85,9 +85,10 @@ class EpisodeBatch:
         self._made: Loops | None = None
         if ship is None:
             ship = load_ship(scenario.ship, surrogate=scenario.surrogate)
-        given = [ship] if isinstance(ship, Ship) else list(ship)
+        different, numbers = numbered([ship] if isinstance(ship, Ship) else list(ship))
+        self.fleet = [one.at_share(scenario.speed) for one in different]
+        given = [self.fleet[k] for k in numbers]
         self.ships = [given[i % len(given)] for i in range(n)]
-        self.fleet, _ = numbered(given)  # the different ones
         if scenario.randomisation.surrogate_std > 0.0:
             for one in self.fleet:
                 check_has_std(one)
@@ -118,8 +119,7 @@ class EpisodeBatch:
         self._fill_tasks()
         self.sim.set_interval(self.dt)
         self._make_arrays()
-        # the first interval that begins at that time or later, whatever the division rounds to
-        self._fails_at = math.ceil(scenario.failure.time / scenario.control_interval - 1e-9)
+        self._fails_at = self._intervals(scenario.failure.time)
 
     @property
     def _loops(self) -> Loops:
@@ -153,7 +153,12 @@ class EpisodeBatch:
             heading_bias=math.radians(given.heading_bias_deg),
             propeller=float(propeller),
             rudder=float(given.rudder_rate),
+            dropout=self._intervals(given.dropout),
         )
+
+    def _intervals(self, time: float) -> int:
+        """Control intervals that take a time [full-scale s], whatever the division rounds to."""
+        return math.ceil(time / self.scenario.control_interval - 1e-9)
 
     @property
     def _privileged_from(self) -> int:
@@ -203,6 +208,7 @@ class EpisodeBatch:
         unit = np.array([one.time_unit for one in self.ships])
         tasks["dt"] = scenario.control_interval / unit
         tasks["speed"] = [one.speed for one in self.ships]
+        tasks["file_speed"] = [one.file_speed for one in self.ships]
         tasks["L"] = [one.hull.L for one in self.ships]
         tasks["n_order"] = self.sim.self_propulsion(tasks["speed"])
         tasks["interval"], tasks["steps"] = scenario.control_interval, scenario.steps
@@ -213,6 +219,10 @@ class EpisodeBatch:
         self.task.fill(scenario, tasks)
         sensors = scenario.sensors
         tasks["noisy"] = sensors.noise
+        tasks["gyro_fails"] = sensors.dropout_rate > 0.0 or scenario.failure.dropout > 0.0
+        hours = scenario.control_interval / 3600.0
+        tasks["dropout_chance"] = -math.expm1(-sensors.dropout_rate * hours)
+        tasks["dropout_steps"] = self._intervals(sensors.dropout_time)
         noise = {
             "heading_noise": np.full(self.n, math.radians(sensors.heading_deg)),
             "yaw_rate_noise": math.radians(sensors.yaw_rate_deg_s) * unit,
@@ -284,7 +294,7 @@ class EpisodeBatch:
 
     def _check_speed(self, which: np.ndarray, speeds: np.ndarray) -> None:
         """Refuse a speed at the start that no ship has."""
-        fastest = bridge.FASTEST * self.tasks["speed"][which]
+        fastest = bridge.FASTEST * self.tasks["file_speed"][which]
         for speed, limit in zip(speeds, fastest, strict=True):
             check_number("options['speed']", speed, -limit, limit, "m/s")
 
@@ -313,7 +323,7 @@ class EpisodeBatch:
         """Sail one control interval under actions of shape (n, n_actions)."""
         if not self._begun:
             raise ConfigError("step before reset: call reset first")
-        self._actions[:] = self._shaped(actions)
+        self._actions[:] = shaped_actions(actions, self.n, self.scenario.control)
         lost = in_parts(self._loops.interval, self.n, self.sim.threads)
         if any(lost):
             self._told(min(lost))
@@ -339,23 +349,6 @@ class EpisodeBatch:
         sim.see_waves(which)
         self._loops.end(which)
         self.observe(which)
-
-    def _shaped(self, actions: Any) -> np.ndarray:
-        """Actions of the right shape and a type of numbers, else ConfigError."""
-        try:
-            actions = np.asarray(actions)
-        except ValueError:
-            raise ConfigError(
-                f"action = {actions!r}: must be {self.n_actions} numbers in [-1, 1] for each ship"
-            ) from None
-        if actions.shape != (self.n, self.n_actions):
-            raise ConfigError(
-                f"actions have shape {actions.shape}, allowed is {(self.n, self.n_actions)} "
-                f"for control = {self.scenario.control!r}"
-            )
-        if actions.dtype.kind not in "fiu":
-            raise ConfigError(f"action has type {actions.dtype}, allowed are numbers in [-1, 1]")
-        return actions
 
     def info(self, mask: np.ndarray, copy: bool = True) -> Info:
         """What happened in the last interval, as arrays over the batch (zero after a reset).
@@ -452,3 +445,22 @@ class EpisodeBatch:
         self.tasks = self.tasks.astype(bridge.record_dtype(self.task), copy=False)
         self._results = self._results.astype(bridge.RESULT_DTYPE, copy=False)
         self._gather()
+
+
+def shaped_actions(actions: Any, n: int, control: str) -> np.ndarray:
+    """Actions of n ships, of the right shape and a type of numbers, else ConfigError."""
+    n_actions = len(ACTIONS[control])
+    try:
+        actions = np.asarray(actions)
+    except ValueError:
+        raise ConfigError(
+            f"action = {actions!r}: must be {n_actions} numbers in [-1, 1] for each ship"
+        ) from None
+    if actions.shape != (n, n_actions):
+        raise ConfigError(
+            f"actions have shape {actions.shape}, allowed is {(n, n_actions)} "
+            f"for control = {control!r}"
+        )
+    if actions.dtype.kind not in "fiu":
+        raise ConfigError(f"action has type {actions.dtype}, allowed are numbers in [-1, 1]")
+    return actions

@@ -29,13 +29,14 @@ class Failure(NamedTuple):
 
     The interval at which it begins, -1: never; error of the compass [rad]; share of the
     self-propulsion speed that the engine can still turn, -1: as before; share of the rudder rate
-    that is left.
+    that is left; for how many intervals the gyro is lost.
     """
 
     at: int
     heading_bias: float
     propeller: float
     rudder: float
+    dropout: int
 
 
 class Episodes(NamedTuple):
@@ -96,6 +97,8 @@ def fail(task, ship, failure, result):
         if failure.propeller >= 0.0:
             task.n_limit = failure.propeller * task.n_order
         ship.gear.rate *= failure.rudder
+        if failure.dropout > 0:
+            task.lost_until = result.elapsed + failure.dropout
 
 
 @kernel
@@ -203,7 +206,7 @@ def _start(which, starts, fleet, episodes):
         fleet.forces[i, :, :] = 0.0
         fleet.flow[i, :] = 0.0
         e.terms[i, :] = 0.0
-        task.n_limit, task.heading_bias = np.inf, 0.0
+        task.n_limit, task.heading_bias, task.lost_until = np.inf, 0.0, 0
         clear(result)
         result.error = error(state, task)
         result.psi_ordered, result.waves_outside = task.psi_ordered, fleet.seas[i].waves_outside

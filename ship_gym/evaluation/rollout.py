@@ -15,6 +15,7 @@ from ship_gym.conventions import polar
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.evaluation.controller import Controller, check_controller
+from ship_gym.evaluation.guard import Guarded
 from ship_gym.evaluation.splits import (  # noqa: F401, names of old
     EVALUATION_SEED,
     TUNING_SEED,
@@ -225,11 +226,20 @@ def rollout(
     Returns
     -------
     Rollout
+
+    Raises
+    ------
+    ConfigError
+        What `begin` refuses, and what the controller itself does in its ``reset``.
+    ControllerFailed
+        The controller raised or gave what is no action; says where.
     """
     env = {"ship": ship, "control": control, "surrogate": surrogate}
     env |= {"privileged": privileged, "overrides": overrides}
     check_controller(controller, type(controller).__name__)
     batch = begin(seeds, scenario, parallel=parallel, **env)
+    if not isinstance(controller, Guarded):
+        controller = Guarded(controller, seeds)
     controller.reset(batch.n, batch.ship, batch.scenario)
     log = _Log(batch)
     steps = range(batch.scenario.steps)
@@ -238,9 +248,7 @@ def rollout(
         if log.ended.all():
             break
     log.close(k + 1)
-    seas, tasks = batch.sim.seas, batch.tasks
-    current = polar(seas["V_north"], seas["V_east"])
-    wind_speed, wind_to = polar(seas["wind_north"], seas["wind_east"])
+    current = polar(batch.sim.seas["V_north"], batch.sim.seas["V_east"])
     return Rollout(
         controller=controller.name,
         scenario=batch.scenario,
@@ -250,17 +258,24 @@ def rollout(
         outcomes=log.outcomes,
         histories=log.histories,
         plans=batch.plans,
-        weather={
-            "wave_height": tasks["wave_height"].copy(),
-            "wave_period": tasks["wave_period"].copy(),
-            "wave_direction_to": tasks["wave_to"] % (2.0 * math.pi),
-            "wind_speed": wind_speed,
-            "wind_direction_to": wind_to,
-        },
+        weather=weather_of(batch),
         current=np.column_stack(current),
         randomisation=batch.randomisation(),
         provenance=provenance(),
     )
+
+
+def weather_of(batch: EpisodeBatch) -> dict[str, np.ndarray]:
+    """Waves and wind of episodes that have begun, as ``Rollout.weather``."""
+    seas, tasks = batch.sim.seas, batch.tasks
+    wind_speed, wind_to = polar(seas["wind_north"], seas["wind_east"])
+    return {
+        "wave_height": tasks["wave_height"].copy(),
+        "wave_period": tasks["wave_period"].copy(),
+        "wave_direction_to": tasks["wave_to"] % (2.0 * math.pi),
+        "wind_speed": wind_speed,
+        "wind_direction_to": wind_to,
+    }
 
 
 class _Log:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator
+import tempfile
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import matplotlib.style
@@ -15,6 +16,7 @@ from matplotlib.figure import Figure
 from PIL import Image  # comes with matplotlib
 
 from ship_gym.provenance import atomic_path
+from ship_gym.reports.page import Picture
 
 INK, FAINT, GRID = "#22303c", "#8795a1", "#e3e8ec"
 BLUE, TEAL, AMBER, RED = "#1f5a94", "#2a8f82", "#d98324", "#b8402f"
@@ -67,6 +69,14 @@ def _write(figure: Figure, path: Path) -> None:
     image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
     image = image.quantize(256, dither=Image.Dither.NONE)
     image.save(path, format="PNG", optimize=True, dpi=(_DPI, _DPI))
+
+
+def for_page(caption: str, draw: Callable[[Path], object], name: str = "") -> Picture:
+    """What a drawing function writes, as a picture of a page."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "picture.png"
+        draw(path)
+        return Picture(caption, path.read_bytes(), name)
 
 
 def headline(figure: Figure, title: str, details: str) -> None:

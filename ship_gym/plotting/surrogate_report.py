@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 import os
-import tempfile
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from ship_gym.plotting.figure import BLUE, FAINT, INK, RED, TEAL, picture
+from ship_gym.plotting.figure import BLUE, FAINT, INK, RED, TEAL, for_page, picture
 from ship_gym.plotting.surrogate import (
     draw_force_map,
     draw_side_force,
@@ -59,29 +57,21 @@ def report_pictures(fit: Fit, ship: Ship, data: Mapping[str, Any]) -> dict[str, 
         of = "" if side == "single" else f", {side} propeller and rudder"
         if fit.training[side].values or fit.validation[side].values:
             text = f"Model against CFD{of}. Bars: one standard deviation of the model."
-            found["parity"].append(_png(text, lambda p, s=side: plot_parity(fit, s, p)))
+            found["parity"].append(for_page(text, lambda p, s=side: plot_parity(fit, s, p)))
         text = f"At the trained angle, as the simulation evaluates it{of}{legend(fit)}."
-        found["surfaces"].append(_png(text, lambda p, s=side: plot_surfaces(fit, ship, s, p)))
+        found["surfaces"].append(for_page(text, lambda p, s=side: plot_surfaces(fit, ship, s, p)))
         if relative_std(fit, side, fit.training[side].X):
             text = f"Standard deviation in percent of the range of the training values{of}."
-            found["std"].append(_png(text, lambda p, s=side: plot_std(fit, s, p)))
+            found["std"].append(for_page(text, lambda p, s=side: plot_std(fit, s, p)))
     text = (
         "Side force of the rudder in pure drift at nominal speed and propulsion. A kink over the "
         "rudder angle would be a jump in its slope. The bend of the map at zero drift is the law's "
         "flow straightening, which differs with the side of the inflow."
     )
-    found["rudder"] = [_png(text, lambda p: plot_rudder(ship, p))]
+    found["rudder"] = [for_page(text, lambda p: plot_rudder(ship, p))]
     text = "Mean standard deviation of all quantities [% of range] and where to sample next."
-    found["next"] = [_png(text, lambda p: plot_next(fit, data["next_samples"], p))]
+    found["next"] = [for_page(text, lambda p: plot_next(fit, data["next_samples"], p))]
     return found
-
-
-def _png(caption: str, draw: Callable[[Path], None]) -> Picture:
-    """What a drawing function writes, as bytes for a page."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "picture.png"
-        draw(path)
-        return Picture(caption, path.read_bytes())
 
 
 def _rows(count: int, columns: int = 3) -> tuple[int, int]:

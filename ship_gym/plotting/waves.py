@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
-from ship_gym.plotting.figure import AMBER, BLUE, DASHED, FAINT, INK, RED, TEAL, picture
+from ship_gym.plotting.figure import AMBER, BLUE, DASHED, FAINT, INK, RED, TEAL, for_page, picture
 from ship_gym.plotting.hull import hull_picture
 from ship_gym.reports.page import Picture, write_page
 from ship_gym.reports.wave_table import chosen, provenance, sections
@@ -83,15 +82,7 @@ def report_pictures(
     }
     if mesh is not None:
         drawings["mesh"] = "Panels below the waterline.", lambda p: hull_picture(p, mesh, ship)
-    return {name: [_png(*drawing)] for name, drawing in drawings.items()}
-
-
-def _png(caption: str, draw: Callable[[Path], None]) -> Picture:
-    """What a drawing function writes, as bytes for a page."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "picture.png"
-        draw(path)
-        return Picture(caption, path.read_bytes())
+    return {name: [for_page(*drawing)] for name, drawing in drawings.items()}
 
 
 def _ratio(table: WaveTable) -> np.ndarray:

@@ -6,13 +6,16 @@ import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from ship_gym.config import ConfigError
+from ship_gym.ships.powering import largest_power, powering
+
 if TYPE_CHECKING:
     from ship_gym.recording.trajectory import Trajectory
     from ship_gym.ships.particulars import Ship
 
 
 def ship_meta(ship: Ship) -> dict[str, Any]:
-    """What a recording keeps of a ship: names and the dimensions [m, m2] needed to draw it."""
+    """What a recording keeps of a ship: names, what its metrics and pictures need, in SI."""
     return {
         "name": ship.name,
         "title": ship.title,
@@ -27,7 +30,18 @@ def ship_meta(ship: Ship) -> dict[str, Any]:
         "D_P": ship.propeller.D,
         "delta_max": ship.gear.delta_max,
         "n_max": ship.engine.n_max,
+        "power_max": largest_power(ship),
+        "m_u": ship.inertia.m_u,
+        "efficiency": _efficiency(ship),
     }
+
+
+def _efficiency(ship: Ship) -> float | None:
+    """Quasi-propulsive efficiency at the nominal speed; None if the engine cannot hold that."""
+    try:
+        return powering(ship).efficiency
+    except ConfigError:
+        return None
 
 
 def run_name(meta: Mapping) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,10 +100,21 @@ def camera_for(scene: Scene, width: float, height: float) -> Camera:
 
 def foot(scene: Scene) -> np.ndarray:
     """Place on the active leg that is nearest to the ship, north, east [m], shape (2,)."""
-    start, end = scene.track[scene.active_leg], scene.track[scene.active_leg + 1]
+    return _foot_on(*scene.track[scene.active_leg : scene.active_leg + 2], scene.position)
+
+
+def nearest_foot(scene: Scene) -> np.ndarray:
+    """The same on the previous, the active or the next leg, whichever is nearest, shape (2,)."""
+    about = scene.track[max(scene.active_leg - 1, 0) : scene.active_leg + 3]
+    feet = [_foot_on(a, b, scene.position) for a, b in itertools.pairwise(about)]
+    return min(feet, key=lambda place: math.dist(place, scene.position))
+
+
+def _foot_on(start: np.ndarray, end: np.ndarray, position: np.ndarray) -> np.ndarray:
+    """Place on the line from `start` to `end` that is nearest to a position, shape (2,)."""
     along = end - start
     square = float(along @ along)
-    share = float((scene.position - start) @ along) / square if square > 0.0 else 0.0
+    share = float((position - start) @ along) / square if square > 0.0 else 0.0
     return start + min(max(share, 0.0), 1.0) * along
 
 

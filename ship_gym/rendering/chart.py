@@ -9,7 +9,7 @@ import numpy as np
 
 from ship_gym.conventions import DELTA, PSI, G, N, U, V
 from ship_gym.recording.hull_shape import deck_outline
-from ship_gym.rendering.camera import Camera, clipped, foot
+from ship_gym.rendering.camera import Camera, clipped, nearest_foot
 from ship_gym.rendering.canvas import (
     BLUE,
     CREST,
@@ -119,7 +119,9 @@ def _draw_track(canvas: Canvas, camera: Camera, scene: Scene) -> None:
         canvas.line(run, MUTED, 1.2, joint=True)
     ends = track[leg : leg + 2]
     if scene.cross_track_limit is not None:
-        _draw_corridor(canvas, camera, ends, scene.cross_track_limit)
+        _draw_beside(canvas, camera, ends, scene.cross_track_limit, RED)
+    if scene.corridor is not None:
+        _draw_beside(canvas, camera, ends, scene.corridor, BLUE)
     for run in camera.runs(ends):
         canvas.line(run, BLUE, 2.4)
     for k, (x, y) in enumerate(camera.place(track)):
@@ -131,21 +133,23 @@ def _draw_track(canvas: Canvas, camera: Camera, scene: Scene) -> None:
     _draw_offset(canvas, camera, scene)
 
 
-def _draw_corridor(canvas: Canvas, camera: Camera, ends: np.ndarray, limit: float) -> None:
-    """Dashed lines on both sides of a leg, at the cross-track error that ends the episode."""
+def _draw_beside(
+    canvas: Canvas, camera: Camera, ends: np.ndarray, aside: float, color: Color
+) -> None:
+    """Dashed lines on both sides of a leg, so far aside [m]."""
     along = ends[1] - ends[0]
     length = float(np.hypot(*along))
     if length == 0.0:
         return
-    starboard = limit / length * np.array([-along[1], along[0]])
+    starboard = aside / length * np.array([-along[1], along[0]])
     for side in (-1.0, 1.0):
         for run in camera.runs(ends + side * starboard):
-            canvas.dashed(run[0], run[-1], RED, 1.2)
+            canvas.dashed(run[0], run[-1], color, 1.2)
 
 
 def _draw_offset(canvas: Canvas, camera: Camera, scene: Scene) -> None:
-    """Line from the ship to its foot on the leg, with the cross-track error where there is room."""
-    ends = np.stack([foot(scene), scene.position])
+    """Line from the ship to the nearest leg, with the distance where there is room."""
+    ends = np.stack([nearest_foot(scene), scene.position])
     for run in camera.runs(ends):
         canvas.dashed(run[0], run[-1], INK, 1.0, 3.0)
     start, end = camera.place(ends)

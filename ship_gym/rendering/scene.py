@@ -53,9 +53,11 @@ class Scene:
     active_leg : int
         Leg k of the track goes from way-point k to k + 1.
     cross_track : float
-        Cross-track error [m], positive with the ship to starboard of the leg.
+        Distance to the track [m], positive with the ship to starboard of the nearest leg.
     cross_track_limit : float or None
-        Cross-track error that ends the episode [m].
+        Distance that ends the episode [m].
+    corridor : float or None
+        Distance that success allows [m].
     current, wind : tuple of float
         Velocities north, east [m/s], where they go to.
     wave_height, wave_period, wave_direction_to : float
@@ -94,6 +96,7 @@ class Scene:
     active_leg: int = 0
     cross_track: float = 0.0
     cross_track_limit: float | None = None
+    corridor: float | None = None
     current: tuple[float, float] = (0.0, 0.0)
     wind: tuple[float, float] = (0.0, 0.0)
     wave_height: float = 0.0
@@ -147,7 +150,7 @@ class Scene:
         if self.psi_ordered is not None:
             found |= {"psi_ordered": self.psi_ordered, "psi_error": self.heading_error}
         if self.track is not None:
-            found["cross_track_error"] = self.cross_track
+            found["off_route"] = self.cross_track
         found["current_speed"], found["current_direction_to"] = map(float, polar(*self.current))
         found["wind_speed"], to = map(float, polar(*self.wind))
         found["wind_direction_from"] = (to + math.pi) % (2.0 * math.pi)

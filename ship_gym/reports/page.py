@@ -12,6 +12,7 @@ import dataclasses
 import os
 from collections.abc import Sequence
 from html import escape
+from typing import TypeAlias
 
 from ship_gym.provenance import atomic_path
 from ship_gym.text import paragraph, table
@@ -25,14 +26,26 @@ h2 { font-size: 1.2em; margin-top: 2em; border-bottom: 1px solid #e3e8ec; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; margin: 0.8em 0; font-size: 0.92em; }
 caption { text-align: left; color: #647684; padding-bottom: 0.3em; }
+caption span { position: sticky; left: 0; display: inline-block; max-width: calc(100vw - 3em); }
 th, td { padding: 0.15em 0.8em 0.15em 0; text-align: right; white-space: nowrap; }
-th.left, td.left { text-align: left; white-space: normal; overflow-wrap: anywhere; }
+th.left, td.left { text-align: left; white-space: normal; overflow-wrap: break-word; }
 thead th { border-bottom: 1px solid #8795a1; }
 tbody tr:nth-child(even) { background: #f6f8f9; }
 figure { margin: 1em 0; }
 figcaption { color: #647684; font-size: 0.92em; }
 img { max-width: 100%; height: auto; }
+a { color: #1f5a94; }
 nav a { margin-right: 1em; }
+h3 { font-size: 1.05em; margin: 1.6em 0 0.4em; }
+.better { color: #1d6b61; font-weight: 600; }
+.worse { color: #b8402f; font-weight: 600; }
+.row { display: flex; flex-wrap: wrap; gap: 0 1.5em; align-items: flex-start; }
+.row figure { flex: 0 1 auto; max-width: 100%; }
+.row figcaption { max-width: 34em; }
+details { margin: 0.6em 0; }
+summary { cursor: pointer; color: #1f5a94; }
+details > div { padding-left: 0.9em; border-left: 2px solid #e3e8ec; }
+pre { overflow-x: auto; background: #f6f8f9; padding: 0.5em 0.7em; font-size: 0.88em; }
 """
 
 
@@ -52,6 +65,74 @@ class Text:
 
 
 @dataclasses.dataclass(frozen=True)
+class Heading:
+    """A headline inside a section.
+
+    Attributes
+    ----------
+    text : str
+    anchor : str
+        Where a `Cell` of this page can lead; empty: nowhere.
+    """
+
+    text: str
+    anchor: str = ""
+
+    def html(self) -> str:
+        """The headline as HTML."""
+        place = f' id="{escape(self.anchor)}"' if self.anchor else ""
+        return f"<h3{place}>{escape(self.text)}</h3>"
+
+    def plain(self) -> str:
+        """The headline."""
+        return self.text
+
+
+@dataclasses.dataclass(frozen=True)
+class Command:
+    """Lines to be copied into a shell."""
+
+    text: str
+
+    def html(self) -> str:
+        """The lines as HTML."""
+        return f"<pre>{escape(self.text)}</pre>"
+
+    def plain(self) -> str:
+        """The lines as they are."""
+        return self.text
+
+
+@dataclasses.dataclass(frozen=True)
+class Cell:
+    """A cell of a table that leads somewhere or is marked.
+
+    Attributes
+    ----------
+    text : str
+    to : str
+        Anchor on the same page; empty: none.
+    mark : str
+        ``"better"``, ``"worse"`` or nothing: a colour, so the text must say it too.
+    """
+
+    text: str
+    to: str = ""
+    mark: str = ""
+
+    def __str__(self) -> str:
+        return self.text
+
+    def html(self) -> str:
+        """The cell's content as HTML."""
+        if self.mark not in ("", "better", "worse"):
+            raise ValueError(f"cell {self.text!r}: mark {self.mark!r} is not better or worse")
+        text = escape(self.text)
+        text = f'<span class="{self.mark}">{text}</span>' if self.mark else text
+        return f'<a href="#{escape(self.to)}">{text}</a>' if self.to else text
+
+
+@dataclasses.dataclass(frozen=True)
 class Grid:
     """A table of text.
 
@@ -59,7 +140,7 @@ class Grid:
     ----------
     caption : str
     header : sequence of str
-    rows : sequence of sequence of str
+    rows : sequence of sequence of str or Cell
         As many cells each as the header.
     left : int
         Number of columns, from the first, that are aligned left; the others are aligned right.
@@ -67,7 +148,7 @@ class Grid:
 
     caption: str
     header: Sequence[str]
-    rows: Sequence[Sequence[str]]
+    rows: Sequence[Sequence[str | Cell]]
     left: int = 1
 
     def html(self) -> str:
@@ -76,20 +157,20 @@ class Grid:
             raise ValueError(f"table {self.caption!r}: every row needs {len(self.header)} cells")
         body = "".join(f"<tr>{self._cells(row, 'td')}</tr>\n" for row in self.rows)
         return (
-            f'<div class="wide"><table><caption>{escape(self.caption)}</caption>\n'
+            f'<div class="wide"><table><caption><span>{escape(self.caption)}</span></caption>\n'
             f"<thead><tr>{self._cells(self.header, 'th')}</tr></thead>\n"
             f"<tbody>\n{body}</tbody></table></div>"
         )
 
     def plain(self) -> str:
         """The table as aligned text under its caption."""
-        return f"{self.caption}\n{table(self.header, self.rows, self.left)}"
+        rows = [[str(cell) for cell in row] for row in self.rows]
+        return f"{self.caption}\n{table(self.header, rows, self.left)}"
 
-    def _cells(self, row: Sequence[str], tag: str) -> str:
+    def _cells(self, row: Sequence[str | Cell], tag: str) -> str:
         style = (' class="left"' if i < self.left else "" for i in range(len(row)))
-        return "".join(
-            f"<{tag}{s}>{escape(str(cell))}</{tag}>" for s, cell in zip(style, row, strict=True)
-        )
+        texts = (cell.html() if isinstance(cell, Cell) else escape(str(cell)) for cell in row)
+        return "".join(f"<{tag}{s}>{text}</{tag}>" for s, text in zip(style, texts, strict=True))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -102,10 +183,13 @@ class Picture:
         What it shows; also read out in place of the picture.
     png : bytes
         The whole file.
+    name : str
+        Of a file, without its suffix, where the picture leaves the page.
     """
 
     caption: str
     png: bytes
+    name: str = ""
 
     def html(self) -> str:
         """The picture as HTML."""
@@ -124,11 +208,56 @@ class Picture:
 
 
 @dataclasses.dataclass(frozen=True)
-class Section:
-    """A headed part of a page."""
+class Row:
+    """Pictures beside each other, as many as the window is wide enough for."""
+
+    pictures: Sequence[Picture]
+
+    def html(self) -> str:
+        """The pictures as HTML."""
+        return f'<div class="row">{"".join(each.html() for each in self.pictures)}</div>'
+
+    def plain(self) -> str:
+        """Nothing: text has no pictures."""
+        return ""
+
+
+@dataclasses.dataclass(frozen=True)
+class Folded:
+    """Blocks that are shown when their title is clicked."""
 
     title: str
-    blocks: Sequence[Text | Grid | Picture]
+    blocks: Sequence[Block]
+
+    def html(self) -> str:
+        """The folded blocks as HTML."""
+        blocks = "\n".join(block.html() for block in self.blocks)
+        return f"<details><summary>{escape(self.title)}</summary><div>{blocks}</div></details>"
+
+    def plain(self) -> str:
+        """The title, then the blocks: text cannot be folded."""
+        texts = (block.plain() for block in self.blocks)
+        return "\n\n".join([self.title, *(text for text in texts if text)])
+
+
+Block: TypeAlias = Text | Heading | Command | Grid | Picture | Row | Folded
+
+
+@dataclasses.dataclass(frozen=True)
+class Section:
+    """A headed part of a page.
+
+    Attributes
+    ----------
+    title : str
+    blocks : sequence of Block
+    anchor : str
+        Where a `Cell` of this page can lead; empty: a number.
+    """
+
+    title: str
+    blocks: Sequence[Block]
+    anchor: str = ""
 
 
 def plain_text(sections: Sequence[Section]) -> str:
@@ -148,11 +277,13 @@ def html_page(title: str, under: str, sections: Sequence[Section]) -> str:
         Sections without blocks are left out.
     """
     there = [section for section in sections if section.blocks]
-    links = "".join(f'<a href="#s{i}">{escape(s.title)}</a>\n' for i, s in enumerate(there))
+    anchors = [escape(section.anchor) or f"s{i}" for i, section in enumerate(there)]
+    pairs = list(zip(anchors, there, strict=True))
+    links = "".join(f'<a href="#{anchor}">{escape(s.title)}</a>\n' for anchor, s in pairs)
     parts = []
-    for i, section in enumerate(there):
+    for anchor, section in pairs:
         blocks = "\n".join(block.html() for block in section.blocks)
-        parts.append(f'<section id="s{i}"><h2>{escape(section.title)}</h2>\n{blocks}</section>')
+        parts.append(f'<section id="{anchor}"><h2>{escape(section.title)}</h2>\n{blocks}</section>')
     body = "\n".join(parts)
     return (
         f'<!doctype html>\n<html lang="en-GB">\n<head><meta charset="utf-8">\n'

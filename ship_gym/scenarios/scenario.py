@@ -41,6 +41,11 @@ class Scenario:
     astern : float
         How far ``rudder+rpm`` may brake: largest propeller speed astern by n_max (0: not at all;
         the engine's own limit holds too).
+    speed : float
+        Share of the ship's nominal speed at which she sails: what a scenario calls U0, to which
+        everything non-dimensional refers (observation, rewards, gains), and the propeller speed
+        without rpm control is that of self-propulsion at it. Resistance coefficients stay those of
+        the ship file.
     control_interval, duration : float
         At full scale [s]; a model gets them Froude-scaled.
     privileged : bool
@@ -56,6 +61,7 @@ class Scenario:
     duration: float
     sea: SeaRange
     surrogate: str | None = None
+    speed: float = 1.0
     astern: float = 0.0
     privileged: bool = False
     sensors: Sensors = dataclasses.field(default_factory=Sensors)
@@ -64,6 +70,7 @@ class Scenario:
 
     def __post_init__(self):
         check_known("control", self.control, ACTIONS)
+        check_number("speed", self.speed, 0.1, 2.0)
         check_number("astern", self.astern, 0.0, 1.0)
         check_number("control_interval", self.control_interval, 0.05, 60.0, "s")
         check_number("duration", self.duration, self.control_interval, 1e6, "s")

@@ -29,6 +29,10 @@ class Sensors:
         Log, surge and sway [m/s].
     position : float
         Satellite receiver [m], north and east; only tracks see it.
+    dropout_rate, dropout_time : float
+        How often an hour, by chance, and for how long [s] the gyro is lost: heading and yaw rate
+        then stay what was last shown, and nothing says so, as of a repeater without a signal. In
+        whole control intervals; also without `noise`.
     """
 
     noise: bool = True
@@ -36,6 +40,8 @@ class Sensors:
     yaw_rate_deg_s: float = 0.02
     speed: float = 0.05
     position: float = 1.0
+    dropout_rate: float = 0.0
+    dropout_time: float = 0.0
 
     def __post_init__(self):
         ranges = {
@@ -43,8 +49,15 @@ class Sensors:
             "yaw_rate_deg_s": (0.0, 10.0, "deg/s"),
             "speed": (0.0, 10.0, "m/s"),
             "position": (0.0, 1000.0, "m"),
+            "dropout_rate": (0.0, 3600.0, "1/h"),
+            "dropout_time": (0.0, 1e6, "s"),
         }
         check_fields("sensors", self, ranges)
+        if (self.dropout_rate > 0.0) != (self.dropout_time > 0.0):
+            raise ConfigError(
+                f"sensors.dropout_rate = {self.dropout_rate} with dropout_time = "
+                f"{self.dropout_time}: allowed is both above 0, or neither"
+            )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -94,7 +107,7 @@ class Randomisation:
 
 @dataclasses.dataclass(frozen=True)
 class Failure:
-    """A fault that begins during the episode and stays; nothing by default.
+    """A fault that begins during the episode and stays, but a dropout; nothing by default.
 
     Attributes
     ----------
@@ -106,12 +119,15 @@ class Failure:
         Share of the self-propulsion speed that the engine can still turn (thrust loss).
     heading_bias_deg : float
         Error of the gyro compass, positive to starboard.
+    dropout : float
+        How long the gyro is lost from then on [full-scale s], as with ``sensors.dropout_time``.
     """
 
     time: float = 0.0
     rudder_rate: float = 1.0
     propeller_speed: float | None = None
     heading_bias_deg: float = 0.0
+    dropout: float = 0.0
 
     def __post_init__(self):
         ranges = {
@@ -119,6 +135,7 @@ class Failure:
             "rudder_rate": (0.0, 1.0, "-"),
             "propeller_speed": (0.0, 1.0, "-"),
             "heading_bias_deg": (-180.0, 180.0, "deg"),
+            "dropout": (0.0, 1e6, "s"),
         }
         check_fields("failure", self, ranges)
         if self.time > 0.0 and not self.any:
@@ -127,5 +144,5 @@ class Failure:
     @property
     def any(self) -> bool:
         """Whether anything fails."""
-        sizes = (self.rudder_rate, self.propeller_speed, self.heading_bias_deg)
-        return sizes != (1.0, None, 0.0)
+        sizes = (self.rudder_rate, self.propeller_speed, self.heading_bias_deg, self.dropout)
+        return sizes != (1.0, None, 0.0, 0.0)

@@ -255,7 +255,9 @@ class Ship:
     rho, nu : float
         Water density [kg/m3] and kinematic viscosity [m2/s].
     speed : float
-        Nominal speed [m/s].
+        Nominal speed [m/s], of the ship file or, see `at_share`, a share of that.
+    share : float
+        Of the ship file's nominal speed that `speed` is.
     open_water : Table
         C_T, C_Q over the advance angle.
     surrogate : Table or None
@@ -298,6 +300,7 @@ class Ship:
     wind_type: str = ""
     wave_table: str = ""
     propulsion: tuple[PropulsionPoint, ...] = ()
+    share: float = 1.0
     sources: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
     estimated: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
 
@@ -328,6 +331,21 @@ class Ship:
     def time_unit(self) -> float:
         """Model second in full-scale seconds by Froude's law: sqrt(scale)."""
         return math.sqrt(self.scale)
+
+    @property
+    def file_speed(self) -> float:
+        """Nominal speed of the ship file [m/s]."""
+        return self.speed / self.share
+
+    def at_share(self, share: float) -> Ship:
+        """Give the ship with a share of the ship file's nominal speed, whatever she has now.
+
+        Only the speed changes that everything non-dimensional refers to: hull, propeller and
+        resistance coefficients stay those of the file.
+        """
+        if share == self.share:
+            return self
+        return dataclasses.replace(self, speed=share * self.file_speed, share=share)
 
     def describe(self) -> str:
         """What the model is, its power beside published ones and its estimates, as text."""

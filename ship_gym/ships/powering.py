@@ -92,6 +92,17 @@ def powering(ship: Ship, speed: float | None = None) -> Powering:
     return Powering(U, n, resistance, units * each, units * forces(n)[1])
 
 
+def largest_power(ship: Ship) -> float:
+    """Power that the engines give at most, all propellers together [W].
+
+    At the largest propeller speed with the torque of a propeller that is held in place, or the
+    engine's limit where that is less: no steady speed takes more.
+    """
+    n, D = ship.engine.n_max, ship.propeller.D
+    bollard = float(coefficients(ship.open_water, 0.0)[1]) * ship.rho * n * n * D**5
+    return 2.0 * math.pi * n * min(bollard, ship.engine.torque_max) * ship.propellers
+
+
 # what a published point may hold -> the same of `Powering`
 COMPARED = ("n", "thrust", "effective_power", "delivered_power")
 

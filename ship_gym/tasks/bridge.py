@@ -56,14 +56,16 @@ _LOW = tuple(-1.0 if row.name in ASTERN_ROWS else row.low for row in OBSERVATION
 _HIGH = tuple(row.high for row in OBSERVATIONS)
 
 SATURATED = 0.999  # share of the largest rudder angle that counts as hard over
-# Beyond these, the bounds of the observation, a state is none of a ship: speed over U0, r L / U0.
-# Full ahead the ships of the package reach 1.95 U0, hard over 0.75.
+# Beyond these, the bounds of the observation at the nominal speed of the ship herself, a state is
+# none of a ship: speed over U0, r L / U0. Full ahead the ships of the package reach 1.95 U0, hard
+# over 0.75.
 FASTEST, FASTEST_TURN = 3.0, 5.0
 
 # What the record of every episode holds; a task adds its own fields and the weights of its terms.
 _COMMON_FIELDS = (
     ("psi_ordered", np.float64),  # ordered heading or bearing of the active leg [rad]
-    ("speed", np.float64),  # nominal speed U0 [m/s]
+    ("speed", np.float64),  # nominal speed U0 of the scenario [m/s]
+    ("file_speed", np.float64),  # nominal speed of the ship herself [m/s]
     ("L", np.float64),  # length of the ship [m]
     ("n_order", np.float64),  # propeller speed without rpm control [rev/s]
     ("n_limit", np.float64),  # what the engine can still turn, either way [rev/s]
@@ -75,6 +77,12 @@ _COMMON_FIELDS = (
     ("noisy", np.int64),
     ("noise_key", np.int64),
     ("heading_bias", np.float64),  # [rad]
+    ("gyro_fails", np.int64),  # whether it may lose heading and yaw rate: by chance, by failure
+    ("dropout_chance", np.float64),  # that it does in an interval
+    ("dropout_steps", np.int64),  # for how many intervals
+    ("lost_until", np.int64),  # interval from which it shows them again
+    ("held_heading", np.float64),  # what it showed last [rad], [rad/s]
+    ("held_yaw_rate", np.float64),
     ("heading_noise", np.float64),  # standard deviations [rad], [rad/s], [m/s], [m]
     ("yaw_rate_noise", np.float64),
     ("speed_noise", np.float64),
@@ -236,8 +244,9 @@ def is_ship(u, v, r, sea, task):
     The current's speed is added to what is allowed: that takes no cosine. Not so if one is nan.
     """
     current = math.sqrt(sea.V_north * sea.V_north + sea.V_east * sea.V_east)
-    fastest = FASTEST * task.speed + current
-    return u * u + v * v <= fastest * fastest and abs(r) * task.L <= FASTEST_TURN * task.speed
+    own = task.file_speed
+    fastest = FASTEST * own + current
+    return u * u + v * v <= fastest * fastest and abs(r) * task.L <= FASTEST_TURN * own
 
 
 @kernel

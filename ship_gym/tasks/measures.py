@@ -169,11 +169,15 @@ def _rudder_use(trajectory: Trajectory) -> dict[str, float]:
     }
 
 
-def _energy(trajectory: Trajectory) -> float:
-    """Delivered energy per distance through the water, full scale [kWh/nmi]."""
-    time = trajectory["t"]
+def delivered_energy(trajectory: Trajectory) -> float:
+    """Energy delivered to the propellers, of the ship that sails, model or not [J]."""
     delivered = in_python(shaft_power)(trajectory["n"], trajectory["torque"])
     power = np.maximum(delivered, 0.0)  # none comes back
-    work = np.trapezoid(power, time)
-    distance = np.trapezoid(np.hypot(*through_water(trajectory)), time)
+    return float(np.trapezoid(power, trajectory["t"]))
+
+
+def _energy(trajectory: Trajectory) -> float:
+    """Delivered energy per distance through the water, full scale [kWh/nmi]."""
+    work = delivered_energy(trajectory)
+    distance = np.trapezoid(np.hypot(*through_water(trajectory)), trajectory["t"])
     return float(work / distance) * trajectory.meta["ship"]["scale"] ** 3 * 1852.0 / 3.6e6

@@ -1,5 +1,8 @@
 """What the sensors of a bridge measure: the slow motion, the wave-frequency motion, white noise.
 
+A gyro that is lost goes on showing its last heading and yaw rate, as a repeater without a signal
+does; nothing in the observation says so but that both are exactly what they were.
+
 The noise is no stream of random numbers but a hash of (key of the episode, interval, pair), so
 that any batch, in any order, gives the same numbers. 32-bit words in 64-bit integers: nothing
 overflows, and plain Python gives the same bits.
@@ -18,6 +21,7 @@ from ship_gym.physics.waves import WAVE_SWAY, WAVE_SWAY_VELOCITY, WAVE_YAW, WAVE
 
 _WORD = 0xFFFFFFFF
 _PAIRS = 4  # pairs of normal numbers for one interval
+_CHANCE = 3  # the pair that is none of noise: its first word decides whether the gyro is lost
 
 
 class Measured(NamedTuple):
@@ -53,6 +57,28 @@ def normal_pair(key, interval, pair):
 
 
 @kernel
+def chance(key, interval):
+    """Uniform number in [0, 1) of one episode and interval."""
+    word = mixed_bits(mixed_bits(key) ^ ((interval * _PAIRS + _CHANCE + 1) & _WORD))
+    return word / 4294967296.0
+
+
+@kernel
+def gyro(task, interval, psi, r):
+    """Heading [rad] and yaw rate [rad/s] that the gyro shows: psi and r, or what it showed last.
+
+    It is not lost at the start. To ask twice in one interval gives the same.
+    """
+    if interval > 0 and interval >= task.lost_until and task.dropout_chance > 0.0:
+        if chance(task.noise_key, interval) < task.dropout_chance:
+            task.lost_until = interval + task.dropout_steps
+    if 0 < interval < task.lost_until:
+        return task.held_heading, task.held_yaw_rate
+    task.held_heading, task.held_yaw_rate = psi, r
+    return psi, r
+
+
+@kernel
 def measured(state, waves, sea, task, interval):
     """Motion as the sensors of one ship see it.
 
@@ -84,4 +110,6 @@ def measured(state, waves, sea, task, interval):
         if task.position_noise > 0.0:
             a, b = normal_pair(task.noise_key, interval, 2)
             north, east = north + task.position_noise * a, east + task.position_noise * b
+    if task.gyro_fails == 1:
+        psi, r = gyro(task, interval, psi, r)
     return Measured(psi, r, u, v, north, east)

@@ -78,6 +78,12 @@ def leg_position(x, y, x_a, y_a, x_b, y_b):
 
 
 @kernel
+def past_ends(along, length):
+    """How far before its start or beyond its end a place is abeam of a leg [m], else 0."""
+    return max(max(-along, along - length), 0.0)
+
+
+@kernel
 def on_route(x, y, x_0, y_0, x_a, y_a, x_b, y_b, x_c, y_c):
     """Position of a ship on the legs about the active one, from a to b.
 
@@ -107,12 +113,12 @@ def on_route(x, y, x_0, y_0, x_a, y_a, x_b, y_b, x_c, y_c):
     beyond = max(along - length, 0.0) if length_1 > 0.0 else 0.0
     square, side = cross * cross + before * before + beyond * beyond, cross
     if length_0 > 0.0:
-        past = max(-along_0, along_0 - length_0, 0.0)
+        past = past_ends(along_0, length_0)
         other = cross_0 * cross_0 + past * past
         if other < square:
             square, side = other, cross_0
     if length_1 > 0.0:
-        past = max(-along_1, along_1 - length_1, 0.0)
+        past = past_ends(along_1, length_1)
         other = cross_1 * cross_1 + past * past
         if other < square:
             square, side = other, cross_1

@@ -18,9 +18,10 @@ from ship_gym.tasks import TASKS
 from ship_gym.tasks.base import DIVERGED, RUNNING
 from ship_gym.tasks.columns import observation_columns
 from ship_gym.tasks.heading.kernels import HEADING_LIMIT
-from ship_gym.tasks.track.kernels import ARRIVED, TRACK_LIMIT
+from ship_gym.tasks.track.kernels import ARRIVED, STRAYED, TRACK_LIMIT
 
 IDS = sorted(ship_gym.ENVIRONMENTS)
+HARD_TRACKS = ("track_corridor", "track_sharp")
 
 
 @pytest.mark.slow
@@ -109,7 +110,10 @@ class BangBang:
 @pytest.mark.parametrize("scenario", ["heading_keeping", "course_changing", "track_following"])
 def test_bang_bang_steers_badly_but_to_the_end(scenario):
     outcomes, sailed = outcome(BangBang(), scenario, **{"sea.states": ["ss4"]})
-    assert (outcomes == (ARRIVED if scenario == "track_following" else RUNNING)).all()
+    if scenario == "track_following":  # nor does it keep the corridor: no success
+        assert (outcomes == STRAYED).sum() >= 6 and ARRIVED not in outcomes
+    else:
+        assert (outcomes == RUNNING).all()
     travel = np.abs(np.diff(sailed.histories["states"][:600, :, 6], axis=0)).sum(axis=0)
     assert (travel > 5.0).all()  # rad: it works the gear
 
@@ -149,12 +153,18 @@ def test_an_episode_seeded_twice_is_the_same_record(env_id, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ship_gym.available_scenarios())
 def test_classical_autopilots_complete_every_scenario(name):
-    """On a random track in sea state 6 (wind to 22 m/s) one ship in twenty may be driven off."""
+    """On a random track in sea state 6 (wind to 22 m/s) one ship in twenty may be driven off.
+
+    Tracks are sailed to their end; where keeping the corridor is not the difficulty itself, it is
+    kept nine times in ten. Without an integral a narrow one is missed.
+    """
     seeds = tuning_seeds(32)
     if TASKS[load_scenario(name).task].controllers[0] == "ilos":
-        for controller in (LOSPID(), ILOS()):
-            arrived = outcome(controller, name, seeds)[0] == ARRIVED
-            assert arrived.mean() >= (0.95 if name == "track_following" else 1.0)
+        for controller in (ILOS(),) if name == "track_corridor" else (LOSPID(), ILOS()):
+            outcomes = outcome(controller, name, seeds)[0]
+            at_end = np.isin(outcomes, (STRAYED, ARRIVED)).mean()
+            assert at_end >= (0.95 if name == "track_following" else 1.0)
+            assert name in HARD_TRACKS or (outcomes == ARRIVED).mean() >= 0.9
     else:
         assert (outcome(PID(), name, seeds)[0] == RUNNING).all()
 

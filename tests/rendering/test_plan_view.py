@@ -130,6 +130,7 @@ def test_crests_run_and_the_leg_is_marked():
     assert not differs(scene(), scene(time=123.0), PLAN)
     assert differs(on_track(), on_track(active_leg=1), PLAN)
     assert differs(on_track(), on_track(cross_track_limit=None), PLAN)
+    assert differs(on_track(), on_track(corridor=345.0), PLAN)
 
 
 def test_rudder_bar_is_red_to_port_and_green_to_starboard():

@@ -9,7 +9,7 @@ import pytest
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import PSI, STATE_NAMES, polar
-from ship_gym.rendering.camera import camera_for, clipped, foot, way_ahead
+from ship_gym.rendering.camera import camera_for, clipped, foot, nearest_foot, way_ahead
 from ship_gym.rendering.scene import Scene
 
 
@@ -69,7 +69,7 @@ def test_row_has_the_columns_of_a_recording():
     assert row["t"] == 9.0
     assert [row[name] for name in STATE_NAMES] == at(5.0, 6.0).tolist()
     assert row["psi_error"] == pytest.approx(2.0 * math.pi - 6.2)
-    assert row["cross_track_error"] == 6.0
+    assert row["off_route"] == 6.0
     assert (row["current_speed"], row["current_direction_to"]) == (0.5, 0.5 * math.pi)
     assert (row["wind_speed"], row["wind_direction_from"]) == (8.0, 0.0)  # blows to the south
     assert row["reward_heading"] == -1.0
@@ -84,6 +84,14 @@ def test_foot_and_way_ahead():
     assert way_ahead(beside, 700.0).tolist() == [1000.0, 100.0]  # round the corner
     assert way_ahead(beside, 1e6).tolist() == [1000.0, 2000.0]
     assert foot(scene(state=at(-50.0, 20.0), track=TRACK)).tolist() == [0.0, 0.0]
+
+
+def test_the_nearest_foot_may_be_on_the_leg_before_or_after():
+    near_next = scene(state=at(900.0, 400.0), track=TRACK)
+    assert foot(near_next).tolist() == [900.0, 0.0]
+    assert nearest_foot(near_next).tolist() == [1000.0, 400.0]
+    outside = scene(state=at(1040.0, -30.0), track=TRACK)
+    assert nearest_foot(outside).tolist() == foot(outside).tolist() == [1000.0, 0.0]
 
 
 def test_camera_has_north_up_and_shows_ship_and_leg():

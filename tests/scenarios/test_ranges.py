@@ -22,7 +22,10 @@ RANGES = [
     ("heading_keeping", "failure.heading_bias_deg", -180.0, 180.0),
     ("heading_keeping", "failure.rudder_rate", 0.0, 1.0),
     ("heading_keeping", "failure.propeller_speed", 0.0, 1.0),
+    ("heading_keeping", "failure.dropout", 0.0, 1e6),
+    ("heading_keeping", "sensors.dropout_rate", 0.0, 3600.0),
     ("heading_keeping", "limits.heading_error_deg", 1.0, 180.0),
+    ("course_changing", "limits.overshoot_deg", 0.1, 180.0),
     ("heading_keeping", "start.heading_error_deg", 0.0, 180.0),
     ("heading_keeping", "sea.current_speed", 0.0, 10.0),
     ("course_changing", "course.changes", 1, 50),
@@ -43,11 +46,15 @@ BESIDE = {
     "failure.rudder_rate": {"failure.time": 60.0},
     "failure.propeller_speed": {"failure.time": 60.0},
     "failure.heading_bias_deg": {"failure.time": 60.0},
+    "failure.dropout": {"failure.time": 60.0},
+    "sensors.dropout_rate": {"sensors.dropout_time": 60.0},
     "limits.cross_track": {"start.cross_track": 0.0},
 }
 # ends that another rule refuses: of the other field, or a failure that is none
 CROSSED = {
     ("failure.rudder_rate", 1.0),
+    ("failure.dropout", 0.0),
+    ("sensors.dropout_rate", 0.0),
     ("limits.heading_error_deg", 1.0),
     ("start.cross_track", 100.0),
     ("start.heading_error_deg", 180.0),

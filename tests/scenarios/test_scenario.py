@@ -26,7 +26,7 @@ def test_every_scenario_sails_with_a_model_too(name):
     envs = ShipVectorEnv(3, scenario=name, ship=["kcs", "kvlcc2_model", "onrt"])
     observations, _ = envs.reset(seed=0)
     for _ in range(20):
-        observations, rewards, *_ = envs.step(np.zeros((3, 1)))
+        observations, rewards, *_ = envs.step(np.zeros(envs.action_space.shape))
     assert envs.observation_space.contains(observations) and (rewards <= 0.0).all()
 
 

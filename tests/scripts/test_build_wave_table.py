@@ -50,7 +50,7 @@ def grids(monkeypatch):
 def no_drawing(monkeypatch):
     """Pictures are drawn in tests/plotting/test_waves.py."""
     waves = importlib.import_module("ship_gym.plotting.waves")
-    monkeypatch.setattr(waves, "_png", lambda caption, draw: Picture(caption, b"\x89PNG"))
+    monkeypatch.setattr(waves, "for_page", lambda caption, draw: Picture(caption, b"\x89PNG"))
 
 
 def test_help_shows_examples(call):

@@ -112,7 +112,7 @@ def test_fit_surrogate_writes_a_table_that_attaches(call, monkeypatch):
     from ship_gym.plotting import surrogate_report
 
     # what it draws is tested with the pictures
-    monkeypatch.setattr(surrogate_report, "_png", lambda text, draw: Picture(text, PNG))
+    monkeypatch.setattr(surrogate_report, "for_page", lambda text, draw: Picture(text, PNG))
     code, out, _ = call("fit_surrogate.py", "--report")
     assert code == 0
     assert Path("runs/surrogate_kcs_G2_SA.html").read_text().count("<img") == 5

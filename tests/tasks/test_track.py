@@ -5,10 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from ship_gym.config import ConfigError
 from ship_gym.conventions import PSI, X, Y
 from ship_gym.envs.env import ShipEnv
+from ship_gym.envs.vector_env import ShipVectorEnv
 from ship_gym.tasks.base import RUNNING
-from ship_gym.tasks.track.kernels import ARRIVED, TRACK_LIMIT
+from ship_gym.tasks.track.kernels import ARRIVED, MISSED, STRAYED, TRACK_LIMIT
+from ship_gym.tracks import SHAPES, Track, save_track
 
 CALM = {"sea.states": [], "sea.gusts": False, "sea.current_speed": 0.0, "sensors.noise": False}
 STILL = CALM | {"start.heading_error_deg": 0.0, "start.cross_track": 0.0}
@@ -47,19 +50,49 @@ def test_what_is_seen_of_a_leg():
     assert info["reward_terms"]["cross_track"] == pytest.approx(-((y / L) ** 2), rel=1e-9)
 
 
-def test_the_next_leg_begins_in_the_circle_and_the_interval_is_judged_by_the_old_one():
+def test_the_next_leg_begins_at_the_bisector():
     env = corner()
-    _, _, _, _, info = place(env, 2000.0 - 2.2 * L, 30.0)
+    # inside of the turn, before and beyond the line at 45 deg through the way-point
+    _, _, _, _, info = place(env, 2000.0 - 120.0, 100.0)
     assert info["leg"] == 0
-    obs, _, _, _, info = place(env, 2000.0 - 1.95 * L, 30.0)
+    obs, _, _, _, info = place(env, 2000.0 - 95.0, 100.0)
     assert info["leg"] == 1 and info["psi_ordered"] == pytest.approx(0.5 * math.pi)
-    # the reward is that of the old leg, all else that of the new one
-    assert info["reward_terms"]["cross_track"] == pytest.approx(-((30.0 / L) ** 2), rel=0.01)
-    assert info["cross_track"] == pytest.approx(obs[9] * L, rel=1e-6)
     # the ship is south of the eastward leg: to starboard of it
-    assert obs[9] == pytest.approx(1.95 - 7.4 / L, abs=0.02)
+    assert obs[9] == pytest.approx((95.0 - 7.4) / L, abs=0.005)
     assert obs[0] == pytest.approx(-1.0, abs=1e-3)
     assert obs[12] == 0.0
+
+
+def test_turning_early_or_late_the_error_does_not_jump():
+    """200 m before the corner, 80 m inside: the next leg is 200 m off, the active one 80 m."""
+    env = corner()
+    *_, info = place(env, 1800.0, 80.0, 0.25 * math.pi)
+    assert info["leg"] == 0 and info["cross_track"] == pytest.approx(80.0, abs=6.0)
+    # nearer to the next leg already, though the active one is 140 m away
+    obs, *_, info = place(env, 1900.0, 140.0, 0.5 * math.pi)
+    assert info["leg"] == 1 and info["cross_track"] == pytest.approx(100.0, abs=0.5)
+    assert info["reward_terms"]["cross_track"] == pytest.approx(-((100.0 / L) ** 2), rel=0.01)
+    assert obs[9] == pytest.approx(100.0 / L, abs=0.002)
+    # outside of the turn the way-point itself is the nearest
+    env = corner()
+    *_, info = place(env, 2030.0, -40.0)
+    assert info["leg"] == 0 and info["cross_track"] == pytest.approx(-math.hypot(37.5, 40), abs=0.2)
+
+
+def test_a_circle_counts_to_a_quarter_of_the_shorter_leg_and_never_at_the_end():
+    env = corner(**{"track.acceptance": 2.0})
+    *_, info = place(env, 2000.0 - 2.2 * L, 30.0)
+    assert info["leg"] == 0
+    *_, info = place(env, 2000.0 - 1.95 * L, 30.0)  # 449 m, within 460 m and 500 m
+    assert info["leg"] == 1
+    _, _, terminated, *_ = place(env, 2000.0, 2000.0 - 1.0 * L, 0.5 * math.pi)
+    assert not terminated
+    points = [[0.0, 0.0], [2000.0, 0.0], [2000.0, 800.0]]
+    env = corner(**{"track.acceptance": 2.0, "track.points": points})
+    *_, info = place(env, 2000.0 - 210.0, 0.0)  # a quarter of 800 m is 200 m
+    assert info["leg"] == 0
+    *_, info = place(env, 2000.0 - 205.0, 0.0)
+    assert info["leg"] == 1
 
 
 def test_a_reset_tells_how_far_off_the_first_leg_the_ship_is():
@@ -67,14 +100,6 @@ def test_a_reset_tells_how_far_off_the_first_leg_the_ship_is():
     for seed in range(5):
         obs, info = env.reset(seed=seed)
         assert abs(obs[9]) > 0.01 and info["cross_track"] == pytest.approx(obs[9] * L, rel=1e-6)
-
-
-def test_a_missed_circle_is_passed_abeam():
-    env = corner()
-    _, _, terminated, _, info = place(env, 1990.0, 2.5 * L)
-    assert not terminated and info["leg"] == 0
-    _, _, terminated, _, info = place(env, 2001.0, 2.5 * L)
-    assert not terminated and info["leg"] == 1
 
 
 def test_given_way_points_stay_where_they_are_and_the_ship_starts_at_the_first():
@@ -88,13 +113,105 @@ def test_given_way_points_stay_where_they_are_and_the_ship_starts_at_the_first()
     assert env.episodes.plans[0].tolist() == points
 
 
-def test_arrival_ends_the_episode_as_a_success():
+def test_arrival_abeam_of_the_end_is_a_success():
     env = corner()
     place(env, 2000.0, 100.0)
-    _, reward, terminated, truncated, info = place(env, 2000.0, 2000.0 - 1.9 * L, 0.5 * math.pi)
+    _, _, terminated, _, info = place(env, 2000.0, 1990.0, 0.5 * math.pi)
+    assert not terminated and info["leg"] == 1
+    _, reward, terminated, truncated, info = place(env, 2000.0, 1996.0, 0.5 * math.pi)
     assert terminated and not truncated
     assert info["outcome"] == ARRIVED and info["is_success"] and info["cost"] == 0.0
     assert info["reward_terms"]["termination"] == 0.0 and reward > -1.0
+
+
+def test_the_end_passed_outside_the_corridor_is_missed():
+    env = corner()
+    place(env, 2000.0, 100.0)
+    _, _, terminated, _, info = place(env, 2000.0 - 1.51 * L, 1996.0, 0.5 * math.pi)
+    assert terminated and info["outcome"] == MISSED and not info["is_success"]
+    assert info["reward_terms"]["termination"] == -200.0 and info["cost"] == 1.0
+
+
+def test_a_corridor_left_on_the_way_costs_the_success_alone():
+    env = corner()
+    place(env, 500.0, 1.49 * L)
+    place(env, 1000.0, 0.0)
+    place(env, 2000.0, 100.0)
+    *_, info = place(env, 2000.0, 1996.0, 0.5 * math.pi)
+    assert info["outcome"] == ARRIVED
+    env = corner()
+    place(env, 500.0, 0.0)
+    place(env, 500.0, 1.51 * L)
+    place(env, 2000.0, 100.0)
+    _, _, terminated, _, info = place(env, 2000.0, 1996.0, 0.5 * math.pi)
+    assert terminated and info["outcome"] == STRAYED and not info["is_success"]
+    assert info["reward_terms"]["termination"] == 0.0 and info["cost"] == 0.0
+
+
+def test_a_start_outside_the_corridor_is_no_leaving_of_it():
+    env = corner(**{"limits.corridor": 0.2})
+    place(env, 100.0, 0.4 * L)
+    place(env, 1000.0, 0.0)
+    place(env, 2000.0, 100.0)
+    *_, info = place(env, 2000.0, 1996.0, 0.5 * math.pi)
+    assert info["outcome"] == ARRIVED
+    env.reset(seed=1)  # forgets the last voyage
+    place(env, 100.0, 0.1 * L)
+    place(env, 100.0, 0.4 * L)
+    place(env, 2000.0, 100.0)
+    *_, info = place(env, 2000.0, 1996.0, 0.5 * math.pi)
+    assert info["outcome"] == STRAYED
+
+
+def test_one_leg_of_300_m_is_sailed_to_its_end():
+    env = corner(**{"track.points": [[0.0, 0.0], [300.0, 0.0]]})
+    terminated, steps = False, 0
+    while not terminated and steps < 60:
+        _, _, terminated, _, info = env.step(np.zeros(1))
+        steps += 1
+    assert info["outcome"] == ARRIVED
+    assert steps == pytest.approx(300.0 / env.ship.speed, abs=2.0)  # 40 s, not one
+
+
+STAIRS = [[0.0, 0.0], [250.0, 0.0], [250.0, 250.0], [500.0, 250.0], [500.0, 500.0], [750.0, 500.0]]
+
+
+def test_a_track_that_the_ship_cannot_sail_is_refused_before_it_starts(tmp_path):
+    told = r"leg from way-point 0 to 1 is 250 m.* 0 and 90 deg .*690 m.*track.turn_radius = 3 L"
+    with pytest.raises(ConfigError, match=told):
+        corner(**{"track.points": STAIRS})
+    file = tmp_path / "stairs.geojson"
+    save_track(Track(STAIRS), file)
+    with pytest.raises(ConfigError, match=told):
+        corner(**{"track.points": (), "track.file": str(file)})
+    with pytest.raises(ConfigError, match=r"from way-point 1 to 2 is 2760 m long.* 3680 m"):
+        ShipEnv(scenario="track_square", overrides={"track.turn_radius": 8.0})
+    for shape in SHAPES:
+        ShipEnv(scenario="track_following", overrides={"track.kind": shape})  # by the default
+    # a model of it can: 250 m are 34 lengths
+    track = {"track.kind": "points", "track.points": STAIRS}
+    ShipEnv(ship="kcs_model", scenario="track_following", overrides=track)
+
+
+def test_stairs_of_250_m_are_not_climbed_with_the_rudder_amidships():
+    """With a circle of 2 L every way-point was "reached" so, and the voyage a success."""
+    circle = {"track.points": STAIRS, "track.any_turns": True, "track.acceptance": 2.0}
+    env = corner(**circle)
+    for _ in range(200):
+        _, _, terminated, _, info = env.step(np.zeros(1))
+        if terminated:
+            break
+    assert terminated and not info["is_success"]
+    assert info["outcome"] in (MISSED, TRACK_LIMIT)
+
+
+def test_a_ship_of_a_fleet_that_cannot_sail_it_counts():
+    points = [[0.0, 0.0], [800.0, 0.0], [800.0, 800.0]]
+    track = {"track.kind": "points", "track.points": points}
+    ShipEnv(ship="kcs", scenario="track_following", overrides=track)
+    for ships in ("kvlcc2", ["kcs", "kvlcc2"]):
+        with pytest.raises(ConfigError, match=r"800 m long.* 960 m"):
+            ShipVectorEnv(2, ship=ships, scenario="track_following", overrides=track)
 
 
 def test_five_lengths_off_the_track_end_it_as_failed():

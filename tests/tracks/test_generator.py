@@ -42,6 +42,8 @@ def test_every_turn_is_feasible(turn_radius, leg_min, ratio, turn_max, legs):
     lengths, turns = measured(points)
     assert (lengths >= leg_min - 1e-9).all() and (lengths <= leg_max + 1e-9).all()
     assert (np.abs(turns) <= turn_max + 1e-9).all()
+    for row in points:
+        Track(row).check_turns(turn_radius)
     used = turn_radius * np.tan(0.5 * np.abs(turns))
     none = np.zeros((20, 1))
     both = np.hstack([none, used]) + np.hstack([used, none])

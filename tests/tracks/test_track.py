@@ -22,6 +22,20 @@ def test_lengths_bearings_and_changes_of_course():
     assert track.points.dtype == np.float64 and track.to_list() == POINTS
 
 
+def test_turns_are_checked_by_what_they_need_of_both_legs():
+    """Right angles at both ends of 500 m: a radius of 250 m each is all there is."""
+    track = Track(POINTS)
+    assert track.check_turns(250.0) is track
+    told = r"leg from way-point 1 to 2 is 500 m long; turns of 90 and 90 deg .* need 502 m at"
+    with pytest.raises(ConfigError, match=told):
+        track.check_turns(251.0)
+    with pytest.raises(ConfigError, match=r"from way-point 0 to 1 is 500 m .* 0 and 90 deg"):
+        track.check_turns(501.0)
+    assert Track([[0, 0], [1, 0], [2, 0]]).check_turns(1e6).total_length == 2.0  # straight on
+    for name in SHAPES:
+        shape_track(name).check_turns(3.0)
+
+
 def test_a_turn_through_south_is_the_short_way_round():
     changes = Track([[0, 0], [-1, 0.1], [-2, 0.0], [-3, 0.1]]).course_changes
     expected = 2.0 * math.atan(0.1)

@@ -59,9 +59,8 @@ def _sail(
     policy: str | None, others: list[str], seeds: list[int], task: str | None, options: dict
 ) -> tuple[list[str], list]:
     """The controllers as named and a rollout of each, all refused before the first one sails."""
-    from ship_gym.evaluation import rollout
+    from ship_gym.evaluation.guard import Guarded
     from ship_gym.evaluation.rollout import begin
-    from ship_gym_agents.cli.output import progress
     from ship_gym_agents.cli.sailing import check_task, own_task, wanted
     from ship_gym_agents.controllers import make_controller, trained_for
 
@@ -74,11 +73,23 @@ def _sail(
     controllers = first + [make_controller(name) for name in named]
     _check_names(controllers)
     for controller in controllers:
-        controller.reset(1, start.ship, start.scenario)
-    return named, [
-        rollout(c, seeds=seeds, progress=lambda steps, c=c: progress(steps, c.name), **env)
-        for c in controllers
-    ]
+        Guarded(controller, seeds[:1]).reset(1, start.ship, start.scenario)
+    return named, [_sailed(controller, seeds, env) for controller in controllers]
+
+
+def _sailed(controller: Any, seeds: list[int], env: dict[str, Any]) -> Any:
+    """The rollout of a controller; where it fails, the error says in which episode."""
+    from ship_gym.evaluation import rollout
+    from ship_gym.evaluation.guard import ControllerFailed
+    from ship_gym_agents.cli.output import progress
+
+    try:
+        bar = lambda steps: progress(steps, controller.name)  # noqa: E731
+        return rollout(controller, seeds=seeds, progress=bar, **env)
+    except ControllerFailed as failed:
+        for seed in failed.seeds if len(failed.seeds) > 1 else ():
+            rollout(controller, seeds=[seed], **env)
+        raise
 
 
 def _check_names(controllers: list) -> None:

@@ -54,6 +54,20 @@ def algorithms() -> list[str]:
     return list(OPTIONS)
 
 
+def suites() -> list[str]:
+    """Suites of benchmarks."""
+    from ship_gym.evaluation.suite import ALL, available_suites
+
+    return [*available_suites(), ALL]
+
+
+def engines() -> list[str]:
+    """What sails a benchmark."""
+    from ship_gym.evaluation.engines import ENGINES
+
+    return list(ENGINES)
+
+
 NAMES: dict[str, Callable[[], list[str]]] = {
     "ships": ships,
     "scenarios": scenarios,
@@ -62,4 +76,6 @@ NAMES: dict[str, Callable[[], list[str]]] = {
     "seas": seas,
     "algorithms": algorithms,
     "controls": controls,
+    "suites": suites,
+    "engines": engines,
 }

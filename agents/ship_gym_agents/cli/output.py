@@ -18,6 +18,7 @@ _QUIET = 2.0  # seconds before a progress bar appears
 _EXTRAS = {
     "rerun": ("rerun", "recordings"),
     "matplotlib": ("plot", "pictures"),
+    "pyarrow": ("benchmark", "results of a benchmark"),
     "capytaine": ("bem", "wave tables"),
     "joblib": ("bem", "wave tables"),
     "stable_baselines3": ("rl", "training"),
@@ -29,8 +30,8 @@ def run(main: Callable[[], Any]) -> None:
     """Call `main`; an error a user can mend is one line on stderr and exit code 2."""
     try:
         main()
-    except (KeyboardInterrupt, click.Abort):
-        sys.exit(_refuse("interrupted"))
+    except (KeyboardInterrupt, click.Abort) as stop:  # click's stands for one that says more
+        sys.exit(_refuse(str(stop.__cause__ or stop) or "interrupted"))
     except click.ClickException as error:
         sys.exit(_refuse(f"error: {error.format_message()}"))
     except (ImportError, OSError) as error:

@@ -10,11 +10,13 @@ import numpy as np
 
 from ship_gym.config import check_fields
 from ship_gym.physics.angles import wrapped
-from ship_gym.tasks.base import Moment
-from ship_gym.tasks.course import NAME, VERSION
-from ship_gym.tasks.heading.kernels import FROM, ORDER, begin
+from ship_gym.tasks.base import Moment, Outcome
+from ship_gym.tasks.course import NAME, VERSION, kernels
+from ship_gym.tasks.heading.kernels import FROM, ORDER
 from ship_gym.tasks.heading.metrics import ORDERS
 from ship_gym.tasks.heading.task import TASK as HEADING
+from ship_gym.tasks.heading.task import Limits as HeadingLimits
+from ship_gym.tasks.heading.task import fails as heading_fails
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,6 +52,40 @@ class Course:
             "interval_min": (1.0, self.interval_max, "s"),
         }
         check_fields("course", self, ranges)
+
+
+@dataclasses.dataclass(frozen=True)
+class Limits(HeadingLimits):
+    """What ends an episode as failed.
+
+    Attributes
+    ----------
+    heading_error_deg : float
+        Heading error; 180: nothing.
+    overshoot_deg : float or None
+        Heading beyond the order on the first swing past it after a step (task
+        ``course_changing``); None: any.
+    """
+
+    overshoot_deg: float | None = None
+
+    def __post_init__(self):
+        super().__post_init__()
+        check_fields("limits", self, {"overshoot_deg": (0.1, 180.0, "deg")})
+
+
+def fill(scenario, tasks) -> None:
+    """Write the limits of error and overshoot."""
+    HEADING.fill(scenario, tasks)
+    largest = scenario.limits.overshoot_deg
+    tasks["overshoot_limit"] = math.inf if largest is None else math.radians(largest)
+
+
+def fails(scenario) -> str:
+    """What ends an episode as failed."""
+    largest = scenario.limits.overshoot_deg
+    past = "" if largest is None else f", or beyond {largest:g} deg on the swing past a new order"
+    return heading_fails(scenario) + past
 
 
 class Orders:
@@ -92,9 +128,14 @@ TASK = dataclasses.replace(
     name=NAME,
     version=VERSION,
     title="Follow steps of the ordered heading in a seaway.",
-    sections={**HEADING.sections, "course": Course},
+    sections={**HEADING.sections, "limits": Limits, "course": Course},
+    outcomes=(*HEADING.outcomes, Outcome("overshoot limit", failed=True)),
+    fields=kernels.FIELDS,
+    fill=fill,
+    judge=kernels.judge,
     plan=Orders,
-    begin=begin,
+    begin=kernels.begin,
+    fails=fails,
     meta=meta,
     headline="settling_time",
     page=Path(__file__).with_name("page.md").read_text(encoding="utf-8"),

@@ -49,13 +49,24 @@ def give_order(task, plan, k):
 
 
 @kernel
+def outcome_of(psi_e, task):
+    """What a heading error [rad] comes to."""
+    return HEADING_LIMIT if abs(psi_e) > task.heading_limit else RUNNING
+
+
+@kernel
 def judge(state, before, sea, task, plan, terms, result):
-    """Terms (n,) and result of the interval just sailed by one ship, the error [rad] in it.
+    """Terms (n,) and result of the interval just sailed by one ship, the error [rad] in it."""
+    psi_e = error(state, task)
+    conclude(psi_e, outcome_of(psi_e, task), state, before, sea, task, plan, terms, result)
+
+
+@kernel
+def conclude(psi_e, outcome, state, before, sea, task, plan, terms, result):
+    """Write what an interval with the heading error psi_e [rad] at its end comes to.
 
     It is judged by the order that held during it; then the next one is given, if it is its time.
     """
-    psi_e = error(state, task)
-    outcome = HEADING_LIMIT if abs(psi_e) > task.heading_limit else RUNNING
     own = HeadingTerms(heading=-task.interval * task.heading * psi_e * psi_e)
     paid = costs(state, before, sea, task, outcome != RUNNING)
     settle(result, terms, psi_e, own, paid, outcome, task)

@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from ship_gym.recording.trajectory import Trajectory
+from ship_gym.simulation import through_water
 from ship_gym.tasks.base import Metric
-from ship_gym.tasks.measures import rms, sailed_time, to_the_end
+from ship_gym.tasks.measures import delivered_energy, rms, sailed_time, to_the_end
 from ship_gym.tasks.track.kernels import AT_THE_END
 from ship_gym.tracks.guidance import cross_track, off_route
 
@@ -33,6 +34,13 @@ METRICS: dict[str, Metric] = {
     "voyage_time": Metric(
         "s", "until the end is passed in the corridor; if never, the planned duration", "lower"
     ),
+    "voyage_energy": Metric(
+        "kWh",
+        "delivered until the end is passed in the corridor, with what the speed lost on the way "
+        "takes to make again; if never, what the engine gives at most over the planned duration; "
+        "of a model: by Froude's law",
+        "lower",
+    ),
 }
 
 
@@ -56,7 +64,24 @@ def measure(trajectory: Trajectory) -> dict[str, float]:
         "rms_cross_track": rms(to_the_end(trajectory, cross, limits["cross_track"])),
         "max_cross_track": float(max(np.abs(cross).max(), start)),
         "voyage_time": float(sailed_time(trajectory) if at_end else meta["config"]["duration"]),
+        "voyage_energy": _voyage_energy(trajectory, at_end),
     }
+
+
+def _voyage_energy(trajectory: Trajectory, arrived: bool) -> float:
+    """Energy of a voyage at full scale [kWh], see `METRICS`.
+
+    The way is given and so is the time for it: to go slowly pays only as long as she arrives. Nor
+    does it pay to arrive slowly: the energy in a tanker's speed takes her for kilometres.
+    """
+    ship = trajectory.meta["ship"]
+    if arrived:
+        u, _ = through_water(trajectory)
+        lost = 0.5 * ship["m_u"] * max(u[0] ** 2 - u[-1] ** 2, 0.0) / ship["efficiency"]
+        work = (delivered_energy(trajectory) + lost) * ship["scale"] ** 4
+    else:
+        work = ship["power_max"] * ship["scale"] ** 3.5 * trajectory.meta["config"]["duration"]
+    return work / 3.6e6
 
 
 def _kept(off: np.ndarray, corridor: float) -> float:

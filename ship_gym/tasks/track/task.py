@@ -57,7 +57,7 @@ def meta(plan) -> dict:
 
 
 def scene(episodes, i) -> dict:
-    """Track, active leg and limit for a picture."""
+    """Track, active leg, limit and corridor for a picture."""
     task = episodes.tasks[i]
     return {
         "psi_ordered": float(task["psi_ordered"]),
@@ -65,6 +65,7 @@ def scene(episodes, i) -> dict:
         "active_leg": int(task["active"]),
         "cross_track": float(episodes.errors[i]),
         "cross_track_limit": float(task["cross_limit"]),
+        "corridor": float(task["corridor"]),
     }
 
 
@@ -103,7 +104,7 @@ TASK = Task(
     history=("psi_ordered", "active"),
     columns=columns,
     meta=meta,
-    plots=(Plot("cross_track", "Cross-track error [m]", ("cross_track_error", "off_route")),),
+    plots=(Plot("off_route", "Off the route [m]", ("off_route",)),),
     metrics=METRICS,
     measure=measure,
     headline="rms_route",

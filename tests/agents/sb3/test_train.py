@@ -297,7 +297,7 @@ def test_half_a_minute_of_training_beats_doing_nothing(tmp_path):
     nothing = rollout(ConstantController(), config.scenario, seeds=seeds)
     assert card["best"]["success"] == 1.0
     assert nothing.terminated.mean() > 0.5
-    assert validate(policy, config.scenario)["J_steady"] < 60.0  # doing nothing: about 1700
+    assert validate(policy, config.scenario)["J_steady"] < 15.0  # doing nothing: about 1700
 
 
 def test_a_normaliser_by_hand():

@@ -1,0 +1,128 @@
+"""``ship-gym benchmark``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from ship_gym_agents.cli.options import Several, jobs, verb
+from ship_gym_agents.cli.values import Name, Number, OutFolder, whole
+
+
+@verb(
+    "--suite heading                       # some minutes; killed, it goes on when called again",
+    "--suite track --ships kcs dtc --controllers ilos mine.py:Mine --seeds 32",
+    "--suite my_suite.toml --jobs 8 --out runs/mine --fresh",
+    "--suite all --engine ray --address auto --jobs 64",
+)
+@click.option(
+    "--suite",
+    "suites",
+    cls=Several,
+    type=Name("suites"),
+    default=["heading"],
+    help="heading, course, track, expert, all or your own FILE.toml; several.",
+)
+@click.option(
+    "--ships", cls=Several, type=Name("ships"), help="Names or files; default: the suite's."
+)
+@click.option(
+    "--controllers",
+    cls=Several,
+    type=Name("controllers"),
+    help="Names, policies, gains or your own FILE.py:NAME; default: the suite's. "
+    "constant always sails.",
+)
+@click.option("--seeds", type=whole(1, 10**6), default=64, help="Number of evaluation seeds.")
+@click.option("--engine", type=Name("engines"), default="local", help="local or ray.")
+@click.option("--address", help="Of a Ray cluster, as ray.init takes it; default: this machine.")
+@jobs()
+@click.option(
+    "--patience",
+    type=Number(1e-6, 1e6),
+    default=1.0,
+    help="Control intervals that a decision may take in the mean; one slower fails.",
+)
+@click.option("--out", type=OutFolder(), default="runs/benchmark", help="Folder of the run.")
+@click.option(
+    "--resume/--fresh",
+    default=True,
+    help="Go on where a run in --out was, or remove it and begin anew.",
+)
+@click.option("--report/--no-report", default=True, help="Write report.html beside the results.")
+def command(as_json, suites, resume, report, **options) -> None:
+    """Sail suites of scenarios with several ships and controllers; score them.
+
+    Each unit of 16 episodes that is finished is kept in --out: interrupted or killed, the same
+    command goes on there, and gives what an undisturbed run does. Rows do not depend on --engine
+    and --jobs. Manoeuvres have no controllers: they are the suite of that name.
+    """
+    from ship_gym_agents.cli.output import need, next_command, progress, show
+
+    need("pyarrow", "matplotlib")
+    from ship_gym.evaluation import benchmark
+    from ship_gym.evaluation.report import judge, write_report
+    from ship_gym.evaluation.run_folder import EPISODES, REPORT
+    from ship_gym.evaluation.summary import as_text, summary
+    from ship_gym_agents.entrants import entrant
+
+    again = _again(suites, options)
+    try:
+        results = benchmark(
+            list(suites), entrant, fresh=not resume, progress=progress, command=again, **options
+        )
+    except KeyboardInterrupt as stop:
+        raise KeyboardInterrupt(f"{stop}: {again}") from None
+    files, judged = [options["out"] / EPISODES], judge(results)
+    if report:
+        from ship_gym_agents.sail_again import sail_again
+
+        files.append(options["out"] / REPORT)
+        bar = lambda episodes: progress(episodes, "pictures")  # noqa: E731
+        write_report(judged, files[-1], sail=sail_again, progress=bar)
+    scores = summary(results, judged)
+    following = _worst(results) or next_command("evaluate")
+    text = [as_text(scores, results), "", *(f"wrote {file}" for file in files), _how(results)]
+    found = {"scores": scores, "about": results.about, "next": following}
+    found["files"] = [str(file) for file in files]
+    show(as_json, found, "\n".join([*text, f"next: {following}"]))
+
+
+def _again(suites: tuple[str, ...], options: dict[str, Any]) -> str:
+    """The command that goes on with this run: what is not as usual, and the folder."""
+    from ship_gym_agents.cli.output import next_command
+
+    usual = {param.name: param.default for param in command.params}
+    given = {name: options[name] for name in usual if options.get(name) not in (None, ())}
+    given = {name: value for name, value in given.items() if value != usual[name]}
+    return next_command("benchmark", suite=list(suites), **{**given, "out": options["out"]})
+
+
+def _how(results: Any) -> str:
+    """How much was sailed, and how long it took."""
+    about = results.about
+    kept = f", {about['units_kept']} of them kept from before" if about["units_kept"] else ""
+    return (
+        f"{len(results.table)} episodes in {about['units']} units{kept}; "
+        f"{about['wall_time'] / 60.0:.1f} min with {about['jobs']} jobs, computing time "
+        f"{about['computing_time'] / 60.0:.1f} min"
+    )
+
+
+def _worst(results: Any) -> str | None:
+    """The command that records the worst episode of a controller that steers."""
+    from ship_gym.evaluation.metrics import all_metrics
+    from ship_gym.evaluation.suite import ALWAYS
+    from ship_gym_agents.cli.output import next_command
+
+    rows = [r for r in results.rows() if r["value"] is not None and r["controller"] != ALWAYS]
+    if not rows:
+        return None
+    first = rows[0]
+    same = [row for row in rows if all(row[k] == first[k] for k in ("scenario", "ship"))]
+    lower = all_metrics()[first["measure"]].better == "lower"
+    worst = (max if lower else min)(same, key=lambda row: row["value"])
+    named = results.about["controllers"][worst["controller"]]["named"]
+    where = {name: worst[name] for name in ("scenario", "ship", "seed")}
+    return next_command("record", controller=named, **where)

@@ -1,0 +1,200 @@
+"""Who sails the units of a benchmark: this process, others of this machine, or a Ray cluster.
+
+All three call ``unit.sail``, so that their rows are the same. Each yields (number, `Sailed`) in the
+order in which units are finished; closing the iterator ends what is still under way.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any
+
+from ship_gym.config import ConfigError
+from ship_gym.evaluation.unit import Sailed, Unit, lost, sail
+from ship_gym.provenance import git_commit, versions
+
+ENGINES = ("local", "ray")
+_DIED = "the process of the controller ended"
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+Found = Iterator[tuple[int, Sailed]]
+
+
+def engine_of(name: str, jobs: int, address: str | None) -> Callable[[Mapping[int, Unit]], Found]:
+    """The engine of a name, ready to sail units by their numbers.
+
+    Raises
+    ------
+    ConfigError
+        An address without Ray.
+    ImportError
+        Ray is asked for and not installed; says how to install it.
+    """
+    if name == "ray":
+        ray = _ray()
+        return lambda units: on_ray(ray, units, jobs, address)
+    if address is not None:
+        raise ConfigError(f"address = {address!r}: only the engine 'ray' has one")
+    return in_this_process if jobs == 1 else lambda units: in_processes(units, jobs)
+
+
+def in_this_process(units: Mapping[int, Unit]) -> Found:
+    """Sail units one after the other here."""
+    for number, unit in units.items():
+        yield number, sail(unit)
+
+
+def in_processes(units: Mapping[int, Unit], jobs: int) -> Found:
+    """Sail units in processes of this machine, each with one thread.
+
+    A controller may end its process. The units that were under way then are sailed again, each in
+    a process of its own; the one that ends that too is lost.
+    """
+    waiting = dict(units)
+    while waiting:
+        under_way: dict[Future, int] = {}
+        try:
+            for number, sailed in _pooled(dict(waiting), jobs, under_way):
+                del waiting[number]
+                yield number, sailed
+        except BrokenProcessPool:
+            for number in under_way.values():
+                yield number, _alone(waiting.pop(number))
+
+
+def _alone(unit: Unit) -> Sailed:
+    try:
+        return next(_pooled({0: unit}, 1, {}))[1]
+    except BrokenProcessPool:
+        return lost(unit, _DIED)
+
+
+def _pooled(units: Mapping[int, Unit], jobs: int, under_way: dict[Future, int]) -> Found:
+    """Sail units in a pool; `under_way` holds those that are, no more than the pool can take."""
+    context, before = multiprocessing.get_context("spawn"), set(multiprocessing.active_children())
+    with _environment(_ONE_THREAD):
+        pool = ProcessPoolExecutor(min(jobs, len(units)), context, _begin_worker)
+        todo = iter(units.items())
+        try:
+            while True:
+                while len(under_way) < jobs and (item := next(todo, None)) is not None:
+                    under_way[pool.submit(sail, item[1])] = item[0]
+                if not under_way:
+                    return
+                for future in wait(under_way, return_when=FIRST_COMPLETED).done:
+                    sailed = future.result()
+                    yield under_way.pop(future), sailed
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in set(multiprocessing.active_children()) - before:
+                process.terminate()
+
+
+@contextlib.contextmanager
+def _environment(variables: Mapping[str, str]) -> Iterator[None]:
+    """Environment variables for processes that are started meanwhile."""
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+def _begin_worker() -> None:
+    """Leave Ctrl-C to the parent, and end with it, however it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+
+    def end_with_parent() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=end_with_parent, daemon=True).start()
+
+
+def _ray() -> Any:
+    try:
+        import ray
+    except ImportError:
+        raise ImportError('engine ray needs ray: pip install "ship-gym[ray]"') from None
+    return ray
+
+
+def on_ray(ray: Any, units: Mapping[int, Unit], jobs: int, address: str | None) -> Found:
+    """Sail units as Ray tasks: on the cluster at `address`, or on `jobs` workers of this machine.
+
+    Raises
+    ------
+    ConfigError
+        No cluster there, or one of its machines runs another version of this package.
+    """
+    started = not ray.is_initialized()
+    if started:
+        _start(ray, jobs, address)
+    remote = ray.remote(num_cpus=1)(_sail_there)
+    todo, under_way = iter(units.items()), {}
+    try:
+        while True:
+            while len(under_way) < 2 * jobs and (item := next(todo, None)) is not None:
+                under_way[remote.remote(item[1], code())] = item
+            if not under_way:
+                return
+            for reference in ray.wait(list(under_way))[0]:
+                number, unit = under_way.pop(reference)
+                yield number, _answer(ray, reference, unit)
+    finally:
+        for reference in under_way:
+            ray.cancel(reference, force=True)
+        if started:
+            ray.shutdown()
+
+
+def _start(ray: Any, jobs: int, address: str | None) -> None:
+    where = {"num_cpus": jobs, "include_dashboard": False} if address is None else {}
+    try:
+        ray.init(address=address or "local", log_to_driver=False, logging_level="error", **where)
+    except (ConnectionError, ValueError) as error:
+        raise ConfigError(f"--address {address}: no Ray cluster answers there: {error}") from None
+
+
+def _answer(ray: Any, reference: Any, unit: Unit) -> Sailed:
+    """What a task gave; a unit that ends its worker again and again is lost."""
+    try:
+        answer = ray.get(reference)
+    except ray.exceptions.WorkerCrashedError:
+        return lost(unit, _DIED)
+    if isinstance(answer, ConfigError):
+        raise answer
+    return answer
+
+
+def _sail_there(unit: Unit, expected: tuple[str, str]) -> Sailed | ConfigError:
+    """Sail a unit on a machine of the cluster; an error that a user can mend is given back."""
+    if code() != expected:
+        return ConfigError(
+            f"a machine of the cluster runs ship-gym {' '.join(code())}, this one "
+            f"{' '.join(expected)}: install the same on both"
+        )
+    try:
+        return sail(unit)
+    except ConfigError as error:
+        return error
+
+
+@functools.cache
+def code() -> tuple[str, str]:
+    """Version and commit of the package in this process."""
+    return versions()["ship-gym"], git_commit()

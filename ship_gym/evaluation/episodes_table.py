@@ -1,0 +1,159 @@
+"""The table of a benchmark: one row an episode, a parquet file that says how it was made.
+
+Rows are sorted by suite, scenario, ship, controller and seed. All columns but `RUN_TIMES` are the
+same in every run, for any number of jobs and either engine.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ship_gym.config import ConfigError
+from ship_gym.evaluation.metrics import all_metrics
+from ship_gym.provenance import atomic_path
+
+if TYPE_CHECKING:
+    import pyarrow
+
+SORTED_BY = ("suite", "scenario", "ship", "controller", "seed")
+RUN_TIMES = ("decision_ms",)
+_ABOUT = b"ship_gym"  # key of the schema's metadata
+_TEXT, _WHOLE, _TRUTH, _NUMBER = "string", "int64", "bool", "float64"
+
+# Columns before and after those of the metrics, with their types. Encounter angles: 0 from astern,
+# 180 from ahead, of the first ordered heading or leg, positive from starboard; null where there is
+# no sea, wind or current.
+BEFORE: dict[str, str] = {
+    "suite": _TEXT,
+    "version": _TEXT,
+    "scenario": _TEXT,
+    "tier": _TEXT,
+    "task": _TEXT,
+    "ship": _TEXT,
+    "controller": _TEXT,
+    "kind": _TEXT,
+    "seed": _WHOLE,
+    "measure": _TEXT,
+    "value": _NUMBER,
+    "wave_height": _NUMBER,
+    "wave_period": _NUMBER,
+    "wave_encounter_deg": _NUMBER,
+    "wind_speed": _NUMBER,
+    "wind_encounter_deg": _NUMBER,
+    "current_speed": _NUMBER,
+    "current_encounter_deg": _NUMBER,
+}
+AFTER: dict[str, str] = {
+    "outcome": _TEXT,
+    "failed": _TRUTH,
+    "length": _WHOLE,
+    "error": _TEXT,
+    "decision_ms": _NUMBER,
+}
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Results:
+    """Episodes of a benchmark.
+
+    Attributes
+    ----------
+    table : pyarrow.Table
+        One row an episode, columns `BEFORE`, metrics, `AFTER`.
+    about : dict
+        Suites with their SHA, seeds, ships, controllers, versions, machine and so on.
+    """
+
+    table: pyarrow.Table
+    about: dict[str, Any]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """The episodes as plain values."""
+        return self.table.to_pylist()
+
+
+def arrow() -> Any:
+    """The modules pyarrow and pyarrow.parquet; says how to install them where they are absent."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise ImportError(
+            'tables of benchmarks need pyarrow: pip install "ship-gym[benchmark]"'
+        ) from None
+    return pyarrow, pyarrow.parquet
+
+
+def schema() -> pyarrow.Schema:
+    """Names and types of the columns."""
+    pa, _ = arrow()
+    columns = BEFORE | dict.fromkeys(all_metrics(), _NUMBER) | AFTER
+    return pa.schema([(name, pa.type_for_alias(kind)) for name, kind in columns.items()])
+
+
+def table_of(rows: Iterable[Mapping[str, Any]]) -> pyarrow.Table:
+    """Rows as a sorted table; what a row lacks is null, and so is what is not finite."""
+    pa, _ = arrow()
+    fields = schema()
+    plain = [{name: _plain(row.get(name)) for name in fields.names} for row in rows]
+    unknown = {key for row in rows for key in row} - set(fields.names)
+    if unknown:
+        raise ConfigError(f"an episode has no column {sorted(unknown)[0]!r}")
+    made = pa.Table.from_pylist(plain, schema=fields)
+    return made.sort_by([(name, "ascending") for name in SORTED_BY])
+
+
+def _plain(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def write_results(path: str | Path, results: Results) -> None:
+    """Write results as one file, whole or not at all."""
+    _, parquet = arrow()
+    about = json.dumps(results.about, allow_nan=False).encode()
+    table = results.table.replace_schema_metadata({_ABOUT: about})
+    with atomic_path(path) as temporary:
+        parquet.write_table(table, temporary, compression="zstd")
+
+
+def read_results(path: str | Path) -> Results:
+    """Read the results of a benchmark.
+
+    Parameters
+    ----------
+    path : path-like
+        A file of `write_results`, or the folder of a run that has one.
+
+    Raises
+    ------
+    ConfigError
+        No such file, not a parquet file, damaged, or not of a benchmark.
+    """
+    pa, parquet = arrow()
+    path = Path(path)
+    path = path / "episodes.parquet" if path.is_dir() else path
+    if not path.is_file():
+        raise ConfigError(f"{path}: no such file; results are made by: ship-gym benchmark")
+    try:
+        table = parquet.read_table(path)
+    except (pa.ArrowException, OSError) as error:
+        raise ConfigError(f"{path}: not a parquet file, or damaged: {error}") from None
+    _check(path, table)
+    about = json.loads(table.schema.metadata[_ABOUT])
+    return Results(table.replace_schema_metadata(None), about)
+
+
+def _check(path: Path, table: pyarrow.Table) -> None:
+    if _ABOUT not in (table.schema.metadata or {}):
+        raise ConfigError(f"{path}: a parquet file, but not of a benchmark: it does not say so")
+    for name, kind in (BEFORE | AFTER).items():
+        if name not in table.column_names:
+            raise ConfigError(f"{path}: not of this version's benchmark: no column {name!r}")
+        found = str(table.schema.field(name).type)
+        if found.replace("double", _NUMBER) != kind:
+            raise ConfigError(f"{path}: column {name!r} is of type {found}, must be {kind}")

@@ -1,0 +1,154 @@
+"""Folder of a benchmark: its settings, a lock, and the rows of every unit that is finished.
+
+A unit's file appears whole or not at all, so that a run can be killed at any time and continued.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import IO, Any
+
+from ship_gym.config import ConfigError
+from ship_gym.evaluation.unit import Sailed
+from ship_gym.provenance import atomic_path
+
+EPISODES = "episodes.parquet"
+REPORT = "report.html"
+_SETTINGS, _LOCK, _UNITS = "settings.json", ".lock", "units"
+
+
+class RunFolder:
+    """Where a benchmark keeps what it has.
+
+    Parameters
+    ----------
+    path : path-like
+    """
+
+    def __init__(self, path: str | Path):
+        self.path = Path(path)
+        self._units = self.path / _UNITS
+
+    @property
+    def episodes(self) -> Path:
+        """The table of all episodes."""
+        return self.path / EPISODES
+
+    @contextlib.contextmanager
+    def locked(self) -> Iterator[None]:
+        """Hold the folder; refused while another process does. Killing that one frees it."""
+        self.path.mkdir(parents=True, exist_ok=True)
+        with (self.path / _LOCK).open("a+b") as file:
+            if not _held(file):
+                raise ConfigError(
+                    f"{self.path}: another process benchmarks into this folder; wait for it, or "
+                    "give another --out"
+                )
+            yield
+
+    def settings(self) -> dict[str, Any] | None:
+        """Settings of the run in the folder; None if there is none.
+
+        Raises
+        ------
+        ConfigError
+            Settings that cannot be read.
+        """
+        file = self.path / _SETTINGS
+        if not file.is_file():
+            return None
+        try:
+            return json.loads(file.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise ConfigError(f"{file}: damaged: {error}; begin anew with --fresh") from None
+
+    def begin(self, settings: Mapping[str, Any], fresh: bool) -> None:
+        """Begin a run, or continue the one in the folder if it has these settings.
+
+        Parameters
+        ----------
+        settings : mapping
+            Plain values: all that decides the rows.
+        fresh : bool
+            Remove what is there and begin anew.
+
+        Raises
+        ------
+        ConfigError
+            A run with other settings is there; says the first that differs.
+        """
+        wanted = json.loads(json.dumps(settings))
+        if fresh:
+            self._clear()
+        elif (kept := self.settings()) is not None:
+            self._check_same(kept, wanted)
+        self._units.mkdir(exist_ok=True)
+        with atomic_path(self.path / _SETTINGS) as temporary:
+            temporary.write_text(json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
+
+    def _check_same(self, kept: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
+        for key in {**kept, **wanted}:
+            there, asked = kept.get(key), wanted.get(key)
+            if there != asked:
+                raise ConfigError(
+                    f"{self.path} holds a run with other {key}: {_differing(there, asked)}; give "
+                    "another --out, or begin anew with --fresh"
+                )
+
+    def _clear(self) -> None:
+        """Remove the files of a run, and nothing else."""
+        for file in (*self._units.glob("*.json"), self.path / _SETTINGS, self.episodes):
+            file.unlink(missing_ok=True)
+
+    def keep(self, number: int, sailed: Sailed) -> None:
+        """Keep the rows of a finished unit."""
+        with atomic_path(self._file(number)) as temporary:
+            kept = {"seconds": sailed.seconds, "rows": sailed.rows}
+            temporary.write_text(json.dumps(kept), encoding="utf-8")
+
+    def kept(self, number: int) -> Sailed | None:
+        """Rows of a unit that is finished; None if it is not, or its file is damaged."""
+        try:
+            found = json.loads(self._file(number).read_text(encoding="utf-8"))
+            return Sailed(found["rows"], found["seconds"])
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+
+    def _file(self, number: int) -> Path:
+        return self._units / f"{number:05d}.json"
+
+
+def _held(file: IO[bytes]) -> bool:
+    """Take the lock of a file for as long as it is open; False if another process has it."""
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        import msvcrt
+
+        file.seek(0)
+        try:
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        return True
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
+def _differing(there: Any, asked: Any) -> str:
+    """Two values, of two mappings the first entries that differ, in few words."""
+    if isinstance(there, dict) and isinstance(asked, dict):
+        key = next(key for key in {**there, **asked} if there.get(key) != asked.get(key))
+        return f"{key}: {_differing(there.get(key), asked.get(key))}"
+    return f"{_short(there)} there, {_short(asked)} asked for"
+
+
+def _short(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

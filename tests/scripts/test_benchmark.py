@@ -1,0 +1,94 @@
+import json
+
+import pytest
+
+from ship_gym.evaluation.run_folder import RunFolder
+from tests.evaluation.benchmarking import write_suite
+
+pytest.importorskip("pyarrow")
+pytest.importorskip("matplotlib")
+
+
+@pytest.fixture
+def small(cli, tmp_path):
+    """Run the small suite in this process."""
+    write_suite(tmp_path)
+    return lambda *more: cli("benchmark", "--suite", "small.toml", "--jobs", 1, *more)
+
+
+def test_benchmark_prints_scores_and_what_comes_next(small, tmp_path):
+    names = ["--controllers", "pid", "own.py:Good", "own.py:Raises"]
+    code, out, err = small("--seeds", 3, *names, "--json")
+    assert code == 0, err
+    found = json.loads(out)
+    assert found["files"] == ["runs/benchmark/episodes.parquet", "runs/benchmark/report.html"]
+    assert all((tmp_path / file).is_file() for file in found["files"])
+    rows = {row["controller"]: row for row in found["scores"]}
+    assert set(rows) == {"constant", "pid", "good", "raises"}
+    assert rows["raises"]["errors"] > 0 and rows["good"]["errors"] == 0
+    assert rows["good"]["kind"] == "own" and rows["pid"]["episodes"] == 6
+    assert found["next"].startswith("ship-gym record --controller ")
+    code, out, err = small("--seeds", 3, *names, "--no-report")
+    assert code == 0 and "16 of" not in out
+    assert "8 units, 8 of them kept from before" in out
+    assert "raises: " in out and "interval 17: ValueError: to starboard" in out
+    assert "wrote runs/benchmark/episodes.parquet" in out and "next: ship-gym record" in out
+
+
+def test_other_settings_in_the_folder_are_one_line(small):
+    assert small("--seeds", 1, "--no-report")[0] == 0
+    code, out, err = small("--seeds", 2, "--no-report")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith("error: runs/benchmark holds a run with other seeds: ")
+    assert small("--seeds", 2, "--no-report", "--fresh")[0] == 0
+
+
+def test_an_interruption_says_what_is_kept_and_how_to_go_on(small, monkeypatch):
+    keep = RunFolder.keep
+
+    def interrupted(self, number, sailed):
+        if number == 2:
+            raise KeyboardInterrupt
+        keep(self, number, sailed)
+
+    monkeypatch.setattr(RunFolder, "keep", interrupted)
+    code, out, err = small("--seeds", 2)
+    assert (code, out) == (2, "")
+    assert "interrupted: 2 of 4 units are kept in runs/benchmark" in err
+    command = "ship-gym benchmark --suite small.toml --seeds 2 --jobs 1 --out runs/benchmark"
+    assert command in " ".join(err.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--suite", "hedaing"], "did you mean 'heading'"),
+        (["--suite", "none.toml"], "none.toml: no such file"),
+        (["--seeds", "0"], "--seeds = 0: allowed is"),
+        (["--engine", "rya"], "did you mean 'ray'"),
+        (["--patience", "-1"], "--patience = -1: allowed is"),
+        (["--controllers", "pit"], "did you mean 'pid'"),
+        (["--ships", "kcz"], "did you mean 'kcs'"),
+        (["--address", "auto"], "only the engine 'ray' has one"),
+    ],
+)
+def test_errors_are_one_line_and_leave_nothing(cli, tmp_path, arguments, words):
+    code, out, err = cli("benchmark", *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1) and words in err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("Raises", "interval 17: ValueError: to starboard (own.py:"),
+        ("Shape", "episode 2000000, interval 0: actions have shape (3,)"),
+        ("Reset", "episode 2000000, reset: RuntimeError: not today (own.py:"),
+    ],
+)
+def test_evaluate_says_where_a_controller_failed(cli, tmp_path, name, words):
+    write_suite(tmp_path)
+    arguments = ["--controller", f"own.py:{name}", "--scenario", "short.toml"]
+    code, out, err = cli("evaluate", *arguments, "--episodes", 6)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith(f"error: controller {name.lower()}, episode 20000") and words in err
