@@ -129,6 +129,10 @@ def plan(
     for task in itertools.chain(*(one.tasks for one in suites)):
         load_task(task)
     cells = [cell for one in suites for cell in _cells(one, controllers, ships)]
+    if not cells:  # suites of another kind have their own way
+        raise ConfigError(
+            f"suite {suites[0].name}: kind {suites[0].kind!r} has no episodes to sail"
+        )
     named = dict.fromkeys(itertools.chain(*(cell.controllers for cell in cells)))
     entrants = {name: entrant(name) for name in named}
     _check_names(entrants)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError, build, check_known, read_toml
+from ship_gym.evaluation.manoeuvres.definition import Manoeuvre
 from ship_gym.provenance import sha256
 
 ALL = "all"
@@ -63,6 +64,7 @@ class Suite:
     only : dict
         Controller -> list of the ships that it sails, where it was made for some.
     scenario : tuple of Entry
+    manoeuvre : tuple of Manoeuvre
     tasks : tuple of str
         Files of tasks of one's own that the scenarios are of.
     sha256 : str
@@ -75,6 +77,7 @@ class Suite:
     ships: tuple[str, ...]
     controllers: tuple[str, ...] = ()
     scenario: tuple[Entry, ...] = ()
+    manoeuvre: tuple[Manoeuvre, ...] = ()
     kind: str = "episodes"
     only: dict[str, list[str]] = dataclasses.field(default_factory=dict)
     tasks: tuple[str, ...] = ()
@@ -82,8 +85,9 @@ class Suite:
 
     def __post_init__(self):
         check_known(f"kind of suite {self.name}:", self.kind, KINDS)
-        needed = ("ships", "controllers", "scenario") if self.kind == "episodes" else ("ships",)
-        for key in needed:
+        episodes = self.kind == "episodes"
+        needed = ("controllers", "scenario") if episodes else ("manoeuvre",)
+        for key in ("ships", *needed):
             if not getattr(self, key):
                 raise ConfigError(f"suite {self.name}: {key}: at least one is needed")
         for key in ("ships", "controllers"):

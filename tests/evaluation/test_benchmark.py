@@ -13,6 +13,7 @@ from ship_gym.config import ConfigError
 from ship_gym.evaluation import benchmark, read_results
 from ship_gym.evaluation.plan import plan
 from ship_gym.evaluation.run_folder import RunFolder
+from ship_gym.evaluation.suite import load_suite
 from tests.evaluation.benchmarking import SUITE, own, without_times, write_suite
 
 pytest.importorskip("pyarrow")
@@ -137,6 +138,13 @@ def test_a_suite_that_cannot_be_sailed_is_refused(tmp_path, old, new, words):
     with pytest.raises(ConfigError) as caught:
         benchmark(suite, entrant, out=tmp_path / "run", seeds=1)
     assert str(caught.value).startswith("suite small, scenario ") and words in str(caught.value)
+
+
+def test_a_suite_of_manoeuvres_has_no_episodes(tmp_path):
+    text = SUITE.partition("controllers")[0] + 'kind = "manoeuvres"\n'
+    with pytest.raises(ConfigError, match="suite small: kind 'manoeuvres' has no episodes to sail"):
+        plan(write_suite(tmp_path, text), entrant, seeds=1)
+    assert load_suite(tmp_path / "small.toml").scenario == ()
 
 
 def test_two_controllers_of_one_name_are_refused(run, tmp_path):

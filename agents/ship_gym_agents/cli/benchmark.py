@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -14,6 +15,7 @@ from ship_gym_agents.cli.values import Name, Number, OutFolder, whole
     "--suite heading                       # some minutes; killed, it goes on when called again",
     "--suite track --ships kcs dtc --controllers ilos mine.py:Mine --seeds 32",
     "--suite my_suite.toml --jobs 8 --out runs/mine --fresh",
+    "--suite manoeuvres --ships kvlcc2 kcs      # hulls without controllers, half a minute each",
     "--suite all --engine ray --address auto --jobs 64",
 )
 @click.option(
@@ -22,7 +24,7 @@ from ship_gym_agents.cli.values import Name, Number, OutFolder, whole
     cls=Several,
     type=Name("suites"),
     default=["heading"],
-    help="heading, course, track, expert, all or your own FILE.toml; several.",
+    help="heading, course, track, expert, manoeuvres, all or your own FILE.toml; several.",
 )
 @click.option(
     "--ships", cls=Several, type=Name("ships"), help="Names or files; default: the suite's."
@@ -51,12 +53,19 @@ from ship_gym_agents.cli.values import Name, Number, OutFolder, whole
     help="Go on where a run in --out was, or remove it and begin anew.",
 )
 @click.option("--report/--no-report", default=True, help="Write report.html beside the results.")
-def command(as_json, suites, resume, report, **options) -> None:
+@click.option(
+    "--trials",
+    type=click.Path(path_type=Path),
+    help="Folder of measured time histories for the suite manoeuvres; default: "
+    "../shared/reference beside a checkout, where it has them.",
+)
+def command(as_json, suites, resume, report, trials, **options) -> None:
     """Sail suites of scenarios with several ships and controllers; score them.
 
     Each unit of 16 episodes that is finished is kept in --out: interrupted or killed, the same
     command goes on there, and gives what an undisturbed run does. Rows do not depend on --engine
-    and --jobs. Manoeuvres have no controllers: they are the suite of that name.
+    and --jobs. Manoeuvres have no controllers: they are the suite of that name, with a table
+    manoeuvres.parquet and a page manoeuvres.html of their own.
     """
     from ship_gym_agents.cli.output import need, next_command, progress, show
 
@@ -65,9 +74,15 @@ def command(as_json, suites, resume, report, **options) -> None:
     from ship_gym.evaluation.report import judge, write_report
     from ship_gym.evaluation.run_folder import EPISODES, REPORT
     from ship_gym.evaluation.summary import as_text, summary
+    from ship_gym_agents.cli.manoeuvres import sail_suites, split
     from ship_gym_agents.entrants import entrant
 
-    again = _again(suites, options)
+    again = _again(suites, options | {"trials": trials})
+    suites, hulls = split(suites)
+    moved = sail_suites(hulls, trials=trials, report=report, command=again, **options)
+    if not suites:
+        show(as_json, moved.data, moved.text)
+        return
     try:
         results = benchmark(
             list(suites), entrant, fresh=not resume, progress=progress, command=again, **options
@@ -85,6 +100,9 @@ def command(as_json, suites, resume, report, **options) -> None:
     following = _worst(results) or next_command("evaluate")
     text = [as_text(scores, results), "", *(f"wrote {file}" for file in files), _how(results)]
     found = {"scores": scores, "about": results.about, "next": following}
+    if hulls:
+        found["manoeuvres"] = moved.data
+        text = [moved.text, "", *text]
     found["files"] = [str(file) for file in files]
     show(as_json, found, "\n".join([*text, f"next: {following}"]))
 

@@ -72,7 +72,11 @@ def _about(found: Benchmark, event: Event) -> str:
     if cell.optimum is None:
         return f"{text}."
     text += f"; the optimum ({cell.optimum_kind}, {cell.optimum_seeds} seeds) has "
-    return f"{text}{words.number(cell.optimum)}, a score of {words.score(scaled.optimum)}."
+    text += f"{words.number(cell.optimum)}, a score of {words.score(scaled.optimum)}"
+    room = cell.headroom
+    return text + (
+        "." if room is None else f"; headroom {words.interval(room)} % of the reference."
+    )
 
 
 def _table(found: Benchmark, event: Event) -> Grid:

@@ -1,0 +1,118 @@
+"""The suite of manoeuvres in ``ship-gym benchmark``: table, page and what is printed."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+FILE, PAGE = "manoeuvres.parquet", "manoeuvres.html"
+
+
+@dataclasses.dataclass(frozen=True)
+class Shown:
+    """What the verb prints of the manoeuvres, as data and as text."""
+
+    data: dict[str, Any]
+    text: str
+
+
+def split(suites: Sequence[str]) -> tuple[list[str], list[Any]]:
+    """Suites of episodes, by name or file, and those of manoeuvres, loaded."""
+    from ship_gym.evaluation.suite import ALL, available_suites, load_suites
+
+    names = [name for one in suites for name in (available_suites() if one == ALL else [one])]
+    loaded = dict(zip(dict.fromkeys(names), load_suites(list(suites)), strict=True))
+    hulls = [suite for suite in loaded.values() if suite.kind == "manoeuvres"]
+    return [name for name, suite in loaded.items() if suite not in hulls], hulls
+
+
+def sail_suites(
+    suites: Sequence[Any],
+    *,
+    out: Path,
+    ships: Sequence[str] = (),
+    trials: Path | None = None,
+    report: bool = True,
+    command: str = "",
+    **_: Any,
+) -> Shown:
+    """Sail suites of manoeuvres; write their table and, with `report`, their page into `out`.
+
+    Parameters
+    ----------
+    suites : sequence of Suite
+        Without any, nothing is done.
+    out : Path
+        Folder.
+    ships : sequence of str
+        Instead of those of the suites.
+    trials : Path, optional
+        Folder of measured histories.
+    report : bool
+    command : str
+        Kept with the results.
+    """
+    if not suites:
+        return Shown({}, "")
+    from ship_gym.evaluation.episodes_table import arrow
+    from ship_gym.evaluation.manoeuvres.sailing import sail_manoeuvres
+    from ship_gym.evaluation.manoeuvres.table import rows_of, write_manoeuvres
+    from ship_gym.provenance import provenance
+    from ship_gym.reports.histories import find_trials
+    from ship_gym.reports.speed import machine
+    from ship_gym_agents.cli.output import progress
+
+    arrow()  # refuses before the work
+    folder = find_trials(trials)
+    manoeuvres = list(dict.fromkeys(each for suite in suites for each in suite.manoeuvre))
+    chosen = list(ships) or list(dict.fromkeys(ship for suite in suites for ship in suite.ships))
+    sailed = sail_manoeuvres(manoeuvres, chosen, progress)
+    rows = rows_of(sailed)
+    about = {
+        "version": ", ".join(dict.fromkeys(suite.version for suite in suites)),
+        "suites": {suite.name: suite.sha256 for suite in suites},
+        "ships": list(dict.fromkeys(each.ship.name for each in sailed)),
+        "trials": None if folder is None else folder.name,
+        "command": command,
+        "machine": machine(),
+        **provenance(),
+    }
+    out.mkdir(parents=True, exist_ok=True)
+    files = [out / FILE]
+    write_manoeuvres(files[0], rows, about)
+    if report:
+        from ship_gym.evaluation.manoeuvres.report import write_manoeuvres_report
+
+        files.append(out / PAGE)
+        bar = lambda chosen: progress(chosen, "pictures")  # noqa: E731
+        write_manoeuvres_report(files[1], sailed, rows, about, folder, bar)
+    return Shown({"rows": rows, "files": [str(file) for file in files]}, _text(rows, files))
+
+
+def _text(rows: Sequence[dict[str, Any]], files: Sequence[Path]) -> str:
+    """Limits of IMO as a table, what could not be sailed, and the files."""
+    from ship_gym.text import table
+
+    judged = [row for row in rows if row["limit"] is not None]
+    cells = [
+        [
+            row["ship"],
+            f"{row['manoeuvre']} {row['side']}".strip(),
+            row["label"],
+            row["unit"],
+            f"{row['value']:.2f}",
+            f"{row['limit']:.4g}",
+            "pass" if row["passes"] else "above it",
+        ]
+        for row in judged
+    ]
+    header = ["ship", "manoeuvre", "measure", "unit", "computed", "IMO limit", ""]
+    lines = [table(header, cells, left=4), ""]
+    lines += [
+        f"{row['ship']}: {row['manoeuvre']} {row['side']} {row['sea']} not sailed: {row['error']}"
+        for row in rows
+        if row["error"]
+    ]
+    return "\n".join([*lines, *(f"wrote {file}" for file in files)])
