@@ -36,12 +36,15 @@ def test_controllers_follow_the_protocol():
     for name in CONTROLLERS:
         controller = make_controller(name)
         assert isinstance(controller, Controller) and controller.name == name
-        for control, n_actions in (("rudder", 1), ("rudder+rpm", 2)):
-            on_track = name in ("los_pid", "ilos", "drift_los")
-            seen = observations(3, columns=15 if on_track else 9)
-            task = "track_following" if on_track else "heading_keeping"
+        on_track = "cross_track" in getattr(controller, "needs", ())
+        seen = observations(3, columns=15 if on_track else 9)
+        task = "track_economy" if name == "just_in_time" else "heading_keeping"
+        task = "track_following" if on_track and name != "just_in_time" else task
+        controls = ("rudder", "rudder+rpm")[name == "just_in_time" :]
+        for control in controls:
             action = started(controller, 3, scenario=task, control=control).act(seen)
-            assert action.shape == (3, n_actions) and np.abs(action).max() <= 1.0
+            assert action.shape == (3, 1 + (control == "rudder+rpm"))
+            assert np.abs(action).max() <= 1.0
 
 
 @pytest.mark.parametrize("error_deg", [0.5, 5.0, 170.0])

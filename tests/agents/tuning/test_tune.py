@@ -1,4 +1,3 @@
-import dataclasses
 import sys
 from typing import ClassVar
 
@@ -9,7 +8,7 @@ from ship_gym_agents.drift_los import DriftLOS
 from ship_gym_agents.gains_files import GainsFile, load_gains, write_gains
 from ship_gym_agents.los import ILOS
 from ship_gym_agents.pid import PID, Gains
-from ship_gym_agents.tuning import Size, gains_file, is_tuned, settings, tune
+from ship_gym_agents.tuning import Size, gains_file, settings, tune
 from ship_gym_agents.tuning.objective import episode_costs
 from ship_gym_agents.tuning.ranges import leaf, with_leaves
 from ship_gym_agents.tuning.tune import mean_costs, scenario_for, structures_of
@@ -132,20 +131,6 @@ def test_a_bar_has_a_part_for_every_generation():
 
     tune(Proportional, "kcs", SMALL, progress=progress, **SHORT)
     assert seen == [(0, 3), (1, 3), (2, 3)]
-
-
-def test_a_tuning_resumes_only_with_the_same_settings(tmp_path):
-    path, task = tmp_path / "pid.toml", "heading_keeping"
-    how = settings(SMALL, task, task, ["PD"])
-    assert not is_tuned(PID, "kcs", how, path)
-    from ship_gym_agents.tuning.record import _versions
-
-    write_gains(GainsFile("kcs", Gains(1.0, 1.0), how, _versions()), path)
-    assert is_tuned(PID, "kcs", how, path)
-    more = dataclasses.replace(SMALL, episodes=3)
-    assert not is_tuned(PID, "kcs", settings(more, task, task, ["PD"]), path)
-    assert not is_tuned(PID, "kvlcc2", how, path)
-    assert not is_tuned(ILOS, "kcs", how, path)
 
 
 def test_wrong_tunings_are_refused():
