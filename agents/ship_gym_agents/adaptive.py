@@ -16,21 +16,17 @@ from typing import ClassVar
 
 import numpy as np
 
-from ship_gym.linear import LinearShip, linearise
+from ship_gym.linear import LinearShip
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
-from ship_gym.simulation import self_propulsion
 from ship_gym.tasks.columns import View
 from ship_gym_agents.gains_files import find_gains
 from ship_gym_agents.pid import PID, Gains, gains_of
+from ship_gym_agents.rudder_effect import RudderEffect
 from ship_gym_agents.wave_filter import check_gains
 
-_SPEEDS = np.array([0.3, 0.5, 0.7, 0.85, 1.0, 1.2])  # through the water, by U0
-_TURNS = np.array([0.2, 0.5, 0.75, 1.0, 1.25])  # propeller speeds, by self-propulsion at U0
-_EFFECT = (0.25, 2.5)  # of the rudder, by the nominal: beyond, no schedule is meant
 _BOUNDS = (0.5, 2.0)  # of the estimated a and k, by the nominal
 _HELMSMAN = ("K_p", "K_d", "K_v", "K_b")
-_SMOOTH = 1.0  # time constant of the speed through the water [L / U0]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -113,9 +109,7 @@ class Adaptive(PID):
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
         """Begin as the nominal ship; `count` episodes of `scenario` with `ship` begin together."""
         super().reset(count, ship, scenario)
-        self._table = effect_table(ship)
-        self._turns_by = ship.engine.n_max / self_propulsion(ship, ship.speed)
-        self._surge = None
+        self._schedule = RudderEffect(ship, self._step)
         a = self._a
         self._estimate = YawEstimate(
             a.pid.observer.ship, count, self._step, a.memory, a.filter_time, a.trust
@@ -128,12 +122,7 @@ class Adaptive(PID):
 
     def _felt(self, seen: View, delta: np.ndarray) -> np.ndarray:
         """Rudder angle [rad] at which the nominal ship would turn as this one does."""
-        if self._surge is None:
-            self._surge = np.array(seen.surge)
-        share = 1.0 - np.exp(-self._step / _SMOOTH)
-        self._surge = self._surge + share * (seen.surge - self._surge)
-        scheduled = interpolated(self._table, self._surge, seen.propeller * self._turns_by)
-        scheduled = np.clip(scheduled, *_EFFECT) ** self._a.schedule
+        scheduled = self._schedule(seen) ** self._a.schedule
         k, a = self._estimate(seen.yaw_rate, seen.sway, delta * scheduled)
         self._effect = scheduled * k**self._a.learning
         # what a ship of more damping than the nominal one turns less, as rudder angle
@@ -199,32 +188,3 @@ class YawEstimate:
         a, k = (1.0 + found[:, i] / self._nominal[i] for i in (0, 1))
         sound = np.isfinite(a) & np.isfinite(k)
         return tuple(np.where(sound, np.clip(x, *_BOUNDS), 1.0) for x in (k, a))
-
-
-def effect_table(ship: Ship) -> np.ndarray:
-    """Yaw acceleration by rudder angle, by the nominal one, at `_SPEEDS` and `_TURNS`."""
-    n0 = self_propulsion(ship, ship.speed)
-    nominal = linearise(ship).B[2, 0]
-    most = ship.engine.n_max
-    return (
-        np.array(
-            [
-                [linearise(ship, s * ship.speed, min(t * n0, most)).B[2, 0] for t in _TURNS]
-                for s in _SPEEDS
-            ]
-        )
-        / nominal
-    )
-
-
-def interpolated(table: np.ndarray, speed: np.ndarray, turns: np.ndarray) -> np.ndarray:
-    """Value of the table at speeds and propeller speeds, shape (count,); held at its edges."""
-    cells = []
-    for axis, value in ((_SPEEDS, speed), (_TURNS, turns)):
-        at = np.clip(value, axis[0], axis[-1])
-        i = np.clip(np.searchsorted(axis, at, side="right") - 1, 0, len(axis) - 2)
-        cells.append((i, (at - axis[i]) / (axis[i + 1] - axis[i])))
-    (i, x), (j, y) = cells
-    low = table[i, j] * (1.0 - y) + table[i, j + 1] * y
-    high = table[i + 1, j] * (1.0 - y) + table[i + 1, j + 1] * y
-    return low * (1.0 - x) + high * x

@@ -21,6 +21,7 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.columns import View
 from ship_gym_agents.autopilot import Autopilot, wrapped
 from ship_gym_agents.reference import Reference
+from ship_gym_agents.rudder_effect import NEEDS, RudderEffect
 from ship_gym_agents.wave_filter import Observer, check_gains
 
 
@@ -41,6 +42,8 @@ class LQGGains:
         Weight of the square of r'.
     K_b : float
         Share of the estimated rudder bias that the rudder carries.
+    schedule : float
+        Exponent on the effect of the rudder by speed and propeller; 0: not scheduled.
     error_limit : float
         The heading error is limited to +- this [rad].
     reference : Reference, optional
@@ -52,6 +55,7 @@ class LQGGains:
     rate: float = 2e-5
     yaw_rate: float = 0.0
     K_b: float = 0.8
+    schedule: float = 1.0
     error_limit: float = math.pi
     reference: Reference | None = None
 
@@ -75,10 +79,12 @@ class LQG(Autopilot):
     """
 
     KIND = "lqg"
+    needs = (*Autopilot.needs, *NEEDS)
     TUNED: ClassVar = {
         "rudder": (0.01, 2.0, 0.1),
         "rate": (1e-6, 1e-2, 2e-5),
         "K_b": (-0.5, 2.0, 0.8),
+        "schedule": (0.0, 1.5, 1.0),
         "observer.sway_noise": (0.02, 20.0, 0.5),
         "observer.yaw_noise": (0.05, 50.0, 2.0),
         "observer.bias_noise": (0.02, 20.0, 0.8),
@@ -98,15 +104,22 @@ class LQG(Autopilot):
         """Design filter and regulator; `count` episodes of `scenario` begin together."""
         super().reset(count, ship, scenario)
         self._K = regulators(self._g, self._step)
+        self._schedule = RudderEffect(ship, self._step)
+
+    def _felt(self, seen: View, delta: np.ndarray) -> np.ndarray:
+        """Rudder angle [rad] at which the nominal ship would turn as this one does."""
+        self._effect = self._schedule(seen) ** self._g.schedule
+        return delta * self._effect
 
     def _rudder(self, seen: View, motion, wanted) -> np.ndarray:
         """Rudder angle [rad] that may exceed the largest."""
-        g, delta = self._g, seen.rudder * self._limit
+        g, delta = self._g, seen.rudder * self._limit * self._effect
         error = np.clip(wrapped(motion[0] - wanted[0]), -g.error_limit, g.error_limit)
         aside = error, motion[2] - wanted[2], motion[1] - wanted[1]
         carried = delta - wanted[3] - g.K_b * motion[3]
         K = self._K
-        return delta - (sum(K[k] * aside[k] for k in range(3)) + K[3] * carried)
+        moved = -(sum(K[k] * aside[k] for k in range(3)) + K[3] * carried)
+        return (delta + moved) / self._effect
 
 
 def regulators(g: LQGGains, step: float) -> np.ndarray:

@@ -21,9 +21,10 @@ from ship_gym.tasks.columns import View
 from ship_gym_agents.autopilot import Autopilot, wrapped
 from ship_gym_agents.horizon import Horizon
 from ship_gym_agents.route_preview import Current, Path, drift_angle
+from ship_gym_agents.rudder_effect import NEEDS, RudderEffect
 from ship_gym_agents.wave_filter import Observer, check_gains
 
-_TRACK = ("cross_track", "cross_track_rate", "to_go", "next_turn", "surge")
+_TRACK = ("cross_track", "cross_track_rate", "to_go", "next_turn")
 # Steps of OSQP by their number, not by the clock: a plan depends on what is known only.
 _SOLVER = {
     "eps_abs": 1e-6,
@@ -57,7 +58,7 @@ class TrackWeights:
     drift_time: float = 3.0
 
     def __post_init__(self):
-        check_gains("gains.track", self, positive=[f.name for f in dataclasses.fields(self)])
+        check_gains("gains.track", self, positive=tuple(f.name for f in dataclasses.fields(self)))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -73,6 +74,8 @@ class MPCGains:
         d delta / dt', over that of the heading error.
     K_b : float
         Share of the estimated rudder bias that the plan counts on.
+    schedule : float
+        Exponent on the effect of the rudder by speed and propeller; 0: not scheduled.
     track : TrackWeights
     """
 
@@ -80,6 +83,7 @@ class MPCGains:
     rudder: float = 0.1
     rate: float = 2e-5
     K_b: float = 0.8
+    schedule: float = 1.0
     track: TrackWeights = dataclasses.field(default_factory=TrackWeights)
 
     # the plan is its own reference model
@@ -107,10 +111,12 @@ class MPC(Autopilot):
     """
 
     KIND = "mpc"
+    needs = (*Autopilot.needs, *NEEDS)
     TUNED: ClassVar = {
         "rudder": (0.01, 2.0, 0.1),
         "rate": (1e-6, 1e-2, 2e-5),
         "K_b": (-0.5, 2.0, 0.8),
+        "schedule": (0.0, 1.5, 1.0),
         "observer.sway_noise": (0.02, 20.0, 0.5),
         "observer.yaw_noise": (0.05, 50.0, 2.0),
         "observer.bias_noise": (0.02, 20.0, 0.8),
@@ -159,6 +165,7 @@ class MPC(Autopilot):
         made: dict[tuple[float, ...], Horizon] = {}
         self._programs = [self._program(made, row) for row in zip(*rows, strict=True)]
         self._current = Current(count, self._step, track.drift_time)
+        self._schedule = RudderEffect(ship, self._step)
         self._surge, self._jump = None, np.zeros(count)
 
     def _program(self, made: dict, weights: tuple[float, ...]) -> Program:
@@ -175,13 +182,18 @@ class MPC(Autopilot):
             )
         return Program(made[weights], self._limit)
 
+    def _felt(self, seen: View, delta: np.ndarray) -> np.ndarray:
+        """Rudder angle [rad] at which the nominal ship would turn as this one does."""
+        self._effect = self._schedule(seen) ** self._g.schedule
+        return delta * self._effect
+
     def _wanted(self, seen: View, jump: np.ndarray) -> np.ndarray:
         self._jump = jump
         return super()._wanted(seen, jump)
 
     def _rudder(self, seen: View, motion, wanted) -> np.ndarray:
         """Rudder angle [rad] at the end of the interval by the plans of all ships."""
-        delta = seen.rudder * self._limit
+        delta = seen.rudder * self._limit * self._effect
         counted = self._g.K_b * motion[3]
         x = np.stack([wrapped(motion[0]), motion[2], motion[1], delta - counted], axis=1)
         aside = None
@@ -190,10 +202,12 @@ class MPC(Autopilot):
             x = np.column_stack([path.error, x])
         asides = [None] * len(x) if aside is None else aside
         strokes = [
-            program.first(start, there, angle)
-            for program, start, there, angle in zip(self._programs, x, asides, delta, strict=True)
+            program.first(*row)
+            for program, *row in zip(
+                self._programs, x, asides, delta, self._effect.tolist(), strict=True
+            )
         ]
-        return delta + self._stroke * np.array(strokes)
+        return (delta + self._stroke * np.array(strokes)) / self._effect
 
     def _ahead(self, seen: View, motion) -> tuple[Path, np.ndarray]:
         """The path, and what it and the water add to e and psi at each interval, (count, N, 5)."""
@@ -229,7 +243,9 @@ class Program:
         H = csc_matrix(np.triu(horizon.H))
         self._solver.setup(H, np.zeros(m), limits, -free, free, **_SOLVER)
 
-    def first(self, x: np.ndarray, aside: np.ndarray | None, delta: float) -> float:
+    def first(
+        self, x: np.ndarray, aside: np.ndarray | None, delta: float, effect: float = 1.0
+    ) -> float:
         """Stroke of the rudder in the first interval, by the largest one.
 
         Parameters
@@ -237,16 +253,20 @@ class Program:
         x, aside
             As in `Horizon.slope`.
         delta : float
-            Rudder angle now [rad].
+            Rudder angle now [rad], times its effect.
+        effect : float
+            Of the rudder, by the nominal: limits of angle and rate are those of a rudder that
+            goes as much further or less far.
         """
-        now = min(max(delta / self.horizon.stroke, -self._limit), self._limit)
-        low = np.concatenate([-self._one, np.full(len(self._one), -self._limit - now)])
-        high = np.concatenate([self._one, np.full(len(self._one), self._limit - now)])
+        limit, one = self._limit * effect, self._one * effect
+        now = min(max(delta / self.horizon.stroke, -limit), limit)
+        low = np.concatenate([-one, np.full(len(one), -limit - now)])
+        high = np.concatenate([one, np.full(len(one), limit - now)])
         self._solver.update(q=self.horizon.slope(np.array(x), aside), l=low, u=high)
         found = self._solver.solve(raise_error=False).x
         if found is not None and np.isfinite(found).all():
             self._last = found
-        return float(min(max(self._last[0], -1.0), 1.0))
+        return float(min(max(self._last[0], -effect), effect))
 
 
 def _osqp() -> Any:

@@ -162,7 +162,7 @@ def _problem(scenario, ship, objective, seeds, parallel) -> Problem:
     beyond = round(objective.beyond / scenario.control_interval)
     steps = scenario.steps + beyond
     probe = Sailings(seeds, scenario, sailor, np.zeros(1), 1, parallel)
-    unit = probe.ship.hull.L / probe.ship.speed * probe.ship.time_unit  # full-scale s
+    unit = probe.ship.hull.L / probe.speed * probe.ship.time_unit  # full-scale s
     turns = ERRORS[scenario.task].turns
     spacing = max(round(_SPACING[turns] * unit / scenario.control_interval), 1)
     knots = np.arange(0, steps + spacing, spacing)

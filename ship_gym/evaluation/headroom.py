@@ -44,7 +44,7 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.tasks import TASKS
 
 JUDGED = 64  # test seeds of reference, second best and doing nothing
-OPTIMISED = 32  # the first of them: of the optimum
+OPTIMISED = {True: 32, False: 16}  # the first of them: of the optimum, of headings and of tracks
 CHOICE = TUNING_SEED + 200_000  # first of the seeds to choose the reference on: none tunes there
 LEAST = 5.0  # headroom [%] whose interval begins above this separates
 PLAN, MINIMUM_TURN = OPTIMA
@@ -101,7 +101,7 @@ def measure_cell(
     control: str | None = None,
     *,
     judged: int = JUDGED,
-    optimised: int = OPTIMISED,
+    optimised: int | None = None,
     iterations: int = ITERATIONS,
 ) -> Cell:
     """Measure one cell.
@@ -115,7 +115,7 @@ def measure_cell(
     measure : str, optional
         A metric of which less is better; the task's headline if omitted.
     judged, optimised : int
-        Seeds; the latter at most as many.
+        Seeds; the latter, those of the optimum, at most as many: `OPTIMISED` if omitted.
     iterations : int
         Of the optimum.
 
@@ -213,9 +213,11 @@ def _ranked(candidates, measure: str, seeds: Sequence[int], env: Mapping[str, An
     return sorted(found, key=lambda name: (math.isnan(found[name]), found[name]))
 
 
-def _optimum(starts, reference: Rollout, measure: str, n: int, iterations: int, env):
+def _optimum(starts, reference: Rollout, measure: str, n: int | None, iterations: int, env):
     """Kind and values (n,) of the optimum on the first seeds; None, None if there is none."""
     task = reference.scenario.task
+    if n is None:
+        n = OPTIMISED[task not in ERRORS or ERRORS[task].turns]
     n = min(n, len(reference))
     if measure == "settling_time" and task == "course_changing":
         return MINIMUM_TURN, minimum_turns(reference, n)
@@ -252,7 +254,7 @@ def inputs_of(scenario: Scenario, measure: str, named: Sequence[str], files: Seq
     files : sequence of Path
         Of the ship and of the controllers' gains.
     """
-    parts = [scenario.to_dict(), measure, sorted(named), CHOICE, JUDGED, OPTIMISED]
+    parts = [scenario.to_dict(), measure, sorted(named), CHOICE, JUDGED, list(OPTIMISED.values())]
     parts += [[path.name, sha256(path)] for path in sorted(files)]
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 

@@ -53,9 +53,11 @@ def normalised(x: float, nothing: float, reference: float) -> float | None:
     for name, value in (("x", x), ("nothing", nothing), ("reference", reference)):
         if not (isinstance(value, int | float | np.number) and 0.0 < value < math.inf):
             raise ConfigError(f"{name} = {value!r}: a score needs a positive, finite measure")
-    if nothing / reference < LEAST:
-        return None
-    return 100.0 * math.log(nothing / x) / math.log(nothing / reference)
+    return None if nothing / reference < LEAST else float(_score(x, nothing, reference))
+
+
+def _score(x: float | np.ndarray, nothing: float, reference: float) -> np.ndarray:
+    return 100.0 * np.log(nothing / x) / math.log(nothing / reference)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -104,6 +106,15 @@ class Reference:
     def score(self, x: float) -> float | None:
         """Score of an interquartile mean, see `normalised`."""
         return normalised(x, self.nothing, self.reference)
+
+    def scores(self, values: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Scores of single episodes, for performance profiles; nan where one has no value.
+
+        Their mean is not the score of the cell, which is that of the interquartile mean.
+        """
+        if not self.scored:
+            raise ConfigError(f"cell {self.name!r} has no score: see Reference.scored")
+        return _score(np.asarray(values, dtype=np.float64), self.nothing, self.reference)
 
     @property
     def optimum_score(self) -> float | None:
@@ -263,4 +274,4 @@ def _resampled(values: np.ndarray, cell: Reference, counts: np.ndarray) -> np.nd
     """Scores of a cell in resamples of its seeds, shape (resamples,)."""
     order = np.argsort(values, kind="stable")
     found = interquartile_weights(counts[:, order]) @ values[order]
-    return 100.0 * np.log(cell.nothing / found) / math.log(cell.nothing / cell.reference)
+    return cell.scores(found)

@@ -10,6 +10,7 @@ where a measure is skewed. ``tests/evaluation/test_coverage.py`` has how often t
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -48,10 +49,13 @@ def interquartile_mean(values: np.ndarray, axis: int = -1) -> np.ndarray:
     return stats.trim_mean(values, 0.25, axis=axis)
 
 
+@functools.lru_cache(maxsize=4)  # a report asks for the same ones thousands of times
 def draws(n: int, resamples: int = RESAMPLES) -> np.ndarray:
-    """How often each of `n` episodes is drawn in each resample, shape (resamples, n)."""
+    """How often each of `n` episodes is drawn in each resample, shape (resamples, n), read only."""
     rng = np.random.default_rng((_SEED, n))
-    return rng.multinomial(n, np.full(n, 1.0 / n), size=resamples).astype(np.float64)
+    found = rng.multinomial(n, np.full(n, 1.0 / n), size=resamples).astype(np.float64)
+    found.setflags(write=False)
+    return found
 
 
 def tails(resampled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -36,12 +36,15 @@ class Entry:
         The metric that is scored; the task's headline if None.
     control : str, optional
         Instead of the scenario's.
+    controllers : tuple of str
+        Instead of the suite's.
     """
 
     name: str
     tier: str = ""
     measure: str | None = None
     control: str | None = None
+    controllers: tuple[str, ...] = ()
 
     def __post_init__(self):
         if self.tier:
@@ -91,8 +94,12 @@ class Suite:
             _check_once(f"suite {self.name}: {key}", getattr(self, key))
         named = [f"{entry.name} {entry.control or ''}".strip() for entry in self.scenario]
         _check_once(f"suite {self.name}: scenario", named)
+        sailing = dict.fromkeys(self.controllers)
+        for entry in self.scenario:
+            _check_once(f"suite {self.name}: controllers of {entry.name}", entry.controllers)
+            sailing |= dict.fromkeys(entry.controllers)
         for controller in self.only:
-            check_known(f"controller in [only] of suite {self.name}:", controller, self.controllers)
+            check_known(f"controller in [only] of suite {self.name}:", controller, sailing)
 
     def sails(self, controller: str, ship: str) -> bool:
         """Whether a controller sails a ship if neither is asked for by name."""
@@ -143,18 +150,19 @@ def _beside(path: Path, values: dict[str, Any]) -> dict[str, Any]:
         file = isinstance(name, str) and Path(name.partition(":")[0]).suffix in (".toml", ".py")
         return str(path.parent / name) if file else name
 
-    values = dict(values)
-    for key in ("ships", "controllers", "tasks"):
-        if isinstance(values.get(key), list):
-            values[key] = [there(name) for name in values[key]]
+    def each(values: dict[str, Any], *keys: str) -> dict[str, Any]:
+        lists = {key: values[key] for key in keys if isinstance(values.get(key), list)}
+        return values | {key: [there(name) for name in names] for key, names in lists.items()}
+
+    values = each(values, "ships", "controllers", "tasks")
     if isinstance(values.get("only"), dict):
-        values["only"] = {
-            there(key): [there(ship) for ship in ships] if isinstance(ships, list) else ships
-            for key, ships in values["only"].items()
-        }
+        only = each(values["only"], *values["only"])
+        values["only"] = {there(key): ships for key, ships in only.items()}
     if isinstance(values.get("scenario"), list):
         values["scenario"] = [
-            {**entry, "name": there(entry.get("name"))} if isinstance(entry, dict) else entry
+            {key: there(value) for key, value in each(entry, "controllers").items()}
+            if isinstance(entry, dict)
+            else entry
             for entry in values["scenario"]
         ]
     return values

@@ -68,7 +68,7 @@ def as_text(rows: list[dict[str, Any]], results: Results) -> str:
     for board in dict.fromkeys(row["board"] for row in rows):
         cells = [_cells(row) for row in rows if row["board"] == board]
         parts.append(f"{board}\n{table(header, cells, 2)}")
-    return "\n\n".join([*parts, *_errors(results)])
+    return "\n\n".join([*parts, *_errors(results), *_refused(results)])
 
 
 def _cells(row: dict[str, Any]) -> list[str]:
@@ -92,4 +92,16 @@ def _errors(results: Results) -> list[str]:
         f"{name}: {len(lost)} episodes lost, the first {lost[0]['seed']} of {lost[0]['scenario']} "
         f"with {lost[0]['ship']}: {lost[0]['error']}"
         for name, lost in found.items()
+    ]
+
+
+def _refused(results: Results) -> list[str]:
+    """Who did not sail where, and why, in the controller's own words."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for one in results.about.get("refused", []):
+        cells = found.setdefault((one["controller"], one["why"]), [])
+        cells.append(f"{one['scenario']} with {one['ship']}")
+    return [
+        f"{name} did not sail {cells[0]}{f' and {len(cells) - 1} more' if cells[1:] else ''}: {why}"
+        for (name, why), cells in found.items()
     ]

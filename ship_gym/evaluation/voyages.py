@@ -71,7 +71,8 @@ class Helm:
         ship = batch.ship
         self._other.reset(batch.n, ship, batch.scenario)
         self._rudder = action_columns(batch.scenario)["rudder"]
-        self._limit, self._time = ship.gear.delta_max, ship.hull.L / ship.speed
+        self._limit = ship.gear.delta_max
+        self._time = batch.tasks["L"] / batch.tasks["speed"]
 
     def act(self, batch: EpisodeBatch) -> np.ndarray:
         """See `Pilot`."""
@@ -175,6 +176,11 @@ class Sailings:
     def ship(self) -> Ship:
         """The ship that sails."""
         return self._batch(len(self.seeds)).ship
+
+    @property
+    def speed(self) -> float:
+        """Nominal speed of the episodes [m/s]."""
+        return float(self._batch(len(self.seeds)).tasks["speed"][0])
 
     def begin(self, rows: np.ndarray) -> EpisodeBatch:
         """A batch at the start of the episodes of some seeds, by their numbers, shape (m,)."""

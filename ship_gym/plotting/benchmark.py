@@ -195,6 +195,7 @@ def plot_polar(
     path: str | os.PathLike,
     title: str = "",
     label: str = "",
+    limit: float = np.inf,
 ) -> None:
     """A measure by where the waves come from, as seen from the bridge.
 
@@ -209,6 +210,8 @@ def plot_polar(
     title : str
     label : str
         What the radius is.
+    limit : float
+        Largest radius; what is beyond runs out of the picture.
     """
     with picture(path, 3.3, 4.4) as figure:
         axes = figure.add_subplot(projection="polar")
@@ -222,10 +225,11 @@ def plot_polar(
         axes.set_xticks(
             np.radians([0, 45, 90, 135, 180]), ["ahead", "bow", "beam", "quarter", "astern"]
         )
-        axes.set_ylim(0.0, None)
+        largest = max(float(np.nanmax(values)) for values in sectors.values())
+        axes.set_ylim(0.0, min(1.05 * largest, limit))
         axes.tick_params(axis="x", pad=7)
         axes.tick_params(axis="y", labelsize=7.5)
         axes.grid(linewidth=0.6)
-        axes.set_title(title, fontsize=10)
+        figure.suptitle(title, fontsize=9.5)
         axes.set_ylabel(label, labelpad=22)
         _legend(figure, len(sectors), 3)

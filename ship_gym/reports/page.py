@@ -25,6 +25,7 @@ h2 { font-size: 1.2em; margin-top: 2em; border-bottom: 1px solid #e3e8ec; }
 .under { color: #647684; margin-top: 0.2em; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; margin: 0.8em 0; font-size: 0.92em; }
+td.left:last-child { min-width: 14em; }
 caption { text-align: left; color: #647684; padding-bottom: 0.3em; }
 caption span { position: sticky; left: 0; display: inline-block; max-width: calc(100vw - 3em); }
 th, td { padding: 0.15em 0.8em 0.15em 0; text-align: right; white-space: nowrap; }

@@ -155,13 +155,16 @@ def test_an_episode_seeded_twice_is_the_same_record(env_id, tmp_path):
 def test_classical_autopilots_complete_every_scenario(name):
     """On a random track in sea state 6 (wind to 22 m/s) one ship in twenty may be driven off.
 
-    Not so narrow a corridor as to be the difficulty of the scenario: that needs better ones.
+    Tracks are sailed to their end; where keeping the corridor is not the difficulty itself, it is
+    kept nine times in ten. Without an integral a narrow one is missed.
     """
     seeds = tuning_seeds(32)
     if TASKS[load_scenario(name).task].controllers[0] == "ilos":
-        for controller in (LOSPID(), ILOS()) if name not in HARD_TRACKS else ():
-            arrived = outcome(controller, name, seeds)[0] == ARRIVED
-            assert arrived.mean() >= (0.95 if name == "track_following" else 1.0)
+        for controller in (ILOS(),) if name == "track_corridor" else (LOSPID(), ILOS()):
+            outcomes = outcome(controller, name, seeds)[0]
+            at_end = np.isin(outcomes, (STRAYED, ARRIVED)).mean()
+            assert at_end >= (0.95 if name == "track_following" else 1.0)
+            assert name in HARD_TRACKS or (outcomes == ARRIVED).mean() >= 0.9
     else:
         assert (outcome(PID(), name, seeds)[0] == RUNNING).all()
 

@@ -11,7 +11,9 @@ from ship_gym_agents.entrants import entrant
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import benchmark, read_results
+from ship_gym.evaluation.plan import plan
 from ship_gym.evaluation.run_folder import RunFolder
+from ship_gym.evaluation.suite import load_suite
 from tests.evaluation.benchmarking import SUITE, own, without_times, write_suite
 
 pytest.importorskip("pyarrow")
@@ -138,11 +140,44 @@ def test_a_suite_that_cannot_be_sailed_is_refused(tmp_path, old, new, words):
     assert str(caught.value).startswith("suite small, scenario ") and words in str(caught.value)
 
 
+def test_a_suite_of_manoeuvres_has_no_episodes(tmp_path):
+    text = SUITE.partition("controllers")[0] + 'kind = "manoeuvres"\n'
+    with pytest.raises(ConfigError, match="suite small: kind 'manoeuvres' has no episodes to sail"):
+        plan(write_suite(tmp_path, text), entrant, seeds=1)
+    assert load_suite(tmp_path / "small.toml").scenario == ()
+
+
 def test_two_controllers_of_one_name_are_refused(run, tmp_path):
     copy = tmp_path / "copy.py"
     copy.write_text((tmp_path / "own.py").read_text())
     with pytest.raises(ConfigError, match="two controllers are named 'good'"):
         run(controllers=[*own(tmp_path, "Good"), f"{copy}:Good"])
+
+
+TRACK = """
+[[scenario]]
+name = "track_calm"
+controllers = ["ilos"]
+"""
+
+
+def test_a_controller_sails_what_it_does_not_refuse(tmp_path):
+    suite = write_suite(tmp_path, SUITE + TRACK)
+    found = plan(suite, entrant, seeds=1)
+    steering = {cell.entry.name: cell.controllers for cell in found.cells}
+    assert steering["track_calm"] == ("constant", "ilos") and not found.refused
+    assert steering["heading_calm"] == ("constant", f"{tmp_path / 'own.py'}:Good")
+    found = plan(suite, entrant, seeds=1, controllers=["pid", "ppo_kcs"])
+    steering = {cell.entry.name: cell.controllers for cell in found.cells}
+    assert steering["track_calm"] == ("constant", "pid")
+    assert steering["heading_calm"] == ("constant", "pid", "ppo_kcs")
+    assert [(one["controller"], one["scenario"]) for one in found.refused] == [
+        ("ppo_kcs", "track_calm")
+    ]
+    assert "trained on 'heading_keeping'" in found.refused[0]["why"]
+    only = SUITE.partition("[[scenario]]")[0] + TRACK
+    with pytest.raises(ConfigError, match="controller ppo_kcs sails nothing here: policy ppo_kcs"):
+        plan(write_suite(tmp_path, only), entrant, seeds=1, controllers=["ppo_kcs"])
 
 
 def test_ray_that_is_not_installed_is_told_with_its_extra(run, monkeypatch, tmp_path):

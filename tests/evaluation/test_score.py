@@ -54,6 +54,13 @@ def test_scores_by_hand(x, score):
     assert REFERENCE.score(x) == pytest.approx(score, abs=1e-12)
 
 
+def test_scores_of_single_episodes():
+    found = REFERENCE.scores([160.0, math.nan, 10.0, 20.0])
+    assert found[[0, 2, 3]] == pytest.approx([0.0, 100.0, 75.0]) and np.isnan(found[1])
+    with pytest.raises(ConfigError, match="cell 'a/kcs' has no score"):
+        Reference("a", "kcs", "J_steady", 10.0, 9.9, "pid").scores([1.0])
+
+
 def test_a_cell_whose_reference_is_hardly_better_than_nothing_has_no_score():
     assert normalised(5.0, 10.4, 10.0) is None
     assert normalised(5.0, 10.5, 10.0) is not None

@@ -1,4 +1,5 @@
 import pytest
+from ship_gym_agents.controllers import CONTROLLERS, pretrained
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.suite import available_suites, load_suite, load_suites
@@ -21,6 +22,7 @@ tier = "basic"
 
 [[scenario]]
 name = "rough.toml"
+controllers = ["pid", "mine.py:PI"]
 measure = "J_1"
 control = "rudder+rpm"
 """
@@ -35,6 +37,19 @@ def suite(tmp_path):
     return write
 
 
+# What ShipBench-1 is. Another file is another benchmark: give it another version, do not edit this.
+FROZEN = {
+    "course": "dde0adfa06f56875cda92c085c179ffaf7a70333e5ac4cb23d599ce640d3b71b",
+    "expert": "af4dec448dbc6b3f05ea01193c37270e5cba2444714859e370af4bfd9ae401b4",
+    "heading": "790365229a8155ffe982ca4ccd62564bb8a9f8e2ff0834a3994243404b78c86b",
+    "track": "937273962da9894d69d6f8b255ac5d0ca5fda2d2e328444cc269bb0b34975d22",
+}
+
+
+def test_standard_suites_are_frozen():
+    assert {name: load_suite(name).sha256 for name in available_suites()} == FROZEN
+
+
 @pytest.mark.parametrize("name", available_suites())
 def test_standard_suites_name_what_there_is(name):
     found = load_suite(name)
@@ -42,7 +57,9 @@ def test_standard_suites_name_what_there_is(name):
     assert set(found.ships) <= set(available_ships())
     assert {entry.name for entry in found.scenario} <= set(available_scenarios())
     assert all(entry.tier for entry in found.scenario)
-    assert found.kind != "episodes" or "constant" in found.controllers
+    for named in (found.controllers, *(entry.controllers for entry in found.scenario)):
+        assert not named or named[0] == "constant"
+        assert set(named) <= {*CONTROLLERS, *pretrained()}
 
 
 def test_a_suite_of_ones_own_counts_its_files_from_its_folder(suite, tmp_path):
@@ -53,6 +70,7 @@ def test_a_suite_of_ones_own_counts_its_files_from_its_folder(suite, tmp_path):
     ]
     assert found.controllers == ("constant", f"{tmp_path / 'mine.py'}:LQR")
     assert (found.scenario[1].measure, found.scenario[1].control) == ("J_1", "rudder+rpm")
+    assert found.scenario[1].controllers == ("pid", f"{tmp_path / 'mine.py'}:PI")
     assert found.sails(found.controllers[1], "kcs") and found.sails("constant", "kvlcc2")
     assert not found.sails(found.controllers[1], "kvlcc2")
 
@@ -76,6 +94,8 @@ def test_all_is_every_suite_once(suite):
         ('["kcs"]\ncon', '"kcs"\ncon', "must be a list"),
         ('name = "rough.toml"', 'name = "heading_calm"', ""),
         ('"mine.py:LQR" = ', "pd = ", "controller in [only] of suite mine: 'pd'"),
+        ('["pid", "mine', '["pid", "pid", "mine', "'pid' is there twice"),
+        ('name = "rough.toml"', "", "missing key 'name'"),
         ("[[scenario]]", "[[scenari]]", "unknown key 'scenari'"),
         ("version", "version = ", "not a valid TOML file"),
     ],

@@ -23,8 +23,9 @@ FAILURE = {
     "failure.heading_bias_deg": 3.0,
     "failure.propeller_speed": 0.8,
 }
-TRACK = {
-    "duration": 12.0,
+TRACK = {  # 14 intervals: the next leg begins, some leave the track
+    "control_interval": 4.0,
+    "duration": 48.0,
     "start.cross_track": 0.1,
     "limits.cross_track": 0.12,
     "track.leg_min": 1.05,

@@ -50,6 +50,19 @@ def test_a_controller_is_one_file(tmp_path):
     assert with_rpm["rms_error"] < nothing["rms_error"]
 
 
+def test_a_controller_that_can_be_tuned_is_one_file(tmp_path):
+    pytest.importorskip("optuna")
+    assert apply("A controller that can be tuned", tmp_path) == {"tuned_hold.py"}
+    copied(tmp_path)
+    own, out = f"{tmp_path / 'tuned_hold.py'}:TunedHold", str(tmp_path / "hold.toml")
+    words = ["tune", "--controllers", own, "--ship", "kcs", "--out", out, "--episodes", "4"]
+    words += ["--generations", "3", "--candidates", "6", "--polish", "0", "--set", "duration=120"]
+    said = run(f"from ship_gym_agents.cli import main\nmain({words!r})", tmp_path)
+    assert "12 validation seeds" in said
+    tuned, first = sail(f"[sailed(x, 'heading_keeping') for x in ({out!r}, {own!r})]", tmp_path)
+    assert tuned["J_0.1"] != first["J_0.1"]
+
+
 def test_a_task_from_outside_is_one_file_and_the_one_under_test(tmp_path):
     assert apply("A task from outside", tmp_path) == {"hold_yaw_rate.py"}
     ours = ROOT / "tests" / "recipes" / "hold_yaw_rate.py"

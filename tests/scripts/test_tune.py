@@ -59,7 +59,7 @@ def test_controllers_are_tuned_in_turn_and_resumed(cli, checkout):
     assert code == 2 and "no pid gains for ship 'kcs'" in err
     code, out, err = cli("tune", *both, "--ship", "kcs", *SMALL)
     assert code == 0, err
-    assert out.count("gained over the gains that tuning begins at") == 2
+    assert out.count("against the gains that tuning begins at: ") == 2
     assert "J_0.1" in out and "rms_route" in out and "--scenario track_following" in out
     pid, found = (tomllib.loads((checkout / f"{k}_kcs.toml").read_text()) for k in ("pid", "ilos"))
     assert found["controller"] == "ilos" and found["tuning"]["seeds_tuning"] == [500000, 500001]
@@ -79,7 +79,7 @@ def test_a_controller_of_ones_own(cli, tmp_path):
     code, out, err = cli(*own)
     assert code == 0, err
     assert "WARNING: K lies at the bound 0.5 of its range" in out
-    assert "better, 12 validation seeds" in out
+    assert ": better, 12 validation seeds" in out
     assert make_controller("p.toml").gains.K == pytest.approx(0.5, rel=0.01)
     code, out, err = cli(*own, "--json")
     found = json.loads(out)["mine.py:P/kcs"]

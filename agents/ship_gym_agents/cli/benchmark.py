@@ -89,14 +89,14 @@ def command(as_json, suites, resume, report, trials, **options) -> None:
         )
     except KeyboardInterrupt as stop:
         raise KeyboardInterrupt(f"{stop}: {again}") from None
-    files = [options["out"] / EPISODES]
+    files, judged = [options["out"] / EPISODES], judge(results)
     if report:
         from ship_gym_agents.sail_again import sail_again
 
         files.append(options["out"] / REPORT)
         bar = lambda episodes: progress(episodes, "pictures")  # noqa: E731
-        write_report(results, files[-1], sail=sail_again, progress=bar)
-    scores = summary(results, judge(results))
+        write_report(judged, files[-1], sail=sail_again, progress=bar)
+    scores = summary(results, judged)
     following = _worst(results) or next_command("evaluate")
     text = [as_text(scores, results), "", *(f"wrote {file}" for file in files), _how(results)]
     found = {"scores": scores, "about": results.about, "next": following}

@@ -25,6 +25,9 @@ from ship_gym_agents.cli.values import Name, whole
 )
 @environment("heading_keeping or track_following, all ships, rudder", several_ships=True)
 @click.option("--structure", cls=Several, help="Only these structures of the controller.")
+@click.option(
+    "--begin", type=click.Path(), help="Gains to begin at, as of another ship; default: its own."
+)
 @click.option("--episodes", type=whole(2, 10_000), default=24, help="Tuning seeds.")
 @click.option("--generations", type=whole(1, 10_000), default=16, help="Of CMA-ES.")
 @click.option("--candidates", type=whole(4, 10_000), default=20, help="In a generation.")
@@ -34,7 +37,7 @@ from ship_gym_agents.cli.values import Name, whole
 @seed("Of the search.")
 @click.option("--resume", is_flag=True, help="Leave ships with such gains alone.")
 @out(".toml", "Gains; default: see above.")
-def command(as_json, controllers, ships, task, resume, out, structure, **options) -> None:
+def command(as_json, controllers, ships, task, resume, out, structure, begin, **options) -> None:
     """Tune controllers for ships on seeds kept for tuning; say what it gained.
 
     The search is CMA-ES, then Nelder-Mead. Headings are tuned for J_0.1, tracks for the rms
@@ -59,7 +62,7 @@ def command(as_json, controllers, ships, task, resume, out, structure, **options
         if resume and is_tuned(job.kind, job.ship, how, job.path):
             lines = [f"{job.name} for {job.ship}: tuned already"]
         else:
-            tuned = _tune(job, env, chosen, options)
+            tuned = _tune(job, env, chosen, begin, options)
             made = gains_file(tuned, how)
             found[f"{job.name}/{job.ship}"] = dataclasses.asdict(made)
             lines = _told(job, tuned, write_gains(made, job.path))
@@ -131,7 +134,7 @@ def _size(options: dict) -> Any:
     return Size(**{key: options[key] for key in keys})
 
 
-def _tune(job: _Job, env: dict, structures: list[str], options: dict) -> Any:
+def _tune(job: _Job, env: dict, structures: list[str], begin: str | None, options: dict) -> Any:
     from ship_gym_agents.cli.output import progress
     from ship_gym_agents.tuning import tune
 
@@ -141,6 +144,7 @@ def _tune(job: _Job, env: dict, structures: list[str], options: dict) -> Any:
         _size(options),
         name=job.name,
         structures=structures,
+        begin_at=begin,
         progress=lambda parts: progress(parts, f"{job.name} {job.ship}"),
         **env,
     )
@@ -149,14 +153,15 @@ def _tune(job: _Job, env: dict, structures: list[str], options: dict) -> Any:
 def _told(job: _Job, tuned: Any, path: Path) -> list[str]:
     """Lines of what was found, what it gained and what may be better outside the ranges."""
     lines = [f"{job.name} for {tuned.ship}: wrote {path}"]
-    name, unit = tuned.objective.name, tuned.objective.unit
-    lines += [f"  {name} {one.cost:8.4f} {unit}  {one.structure}" for one in tuned.ranking]
-    g = tuned.gained
-    sure = "" if g.low <= 0.0 <= g.high else (" better" if g.high < 0.0 else " WORSE")
-    lines += [
-        f"  gained over {tuned.before} ({tuned.cost_before:.4f}): {g.value:+.4f} "
-        f"[{g.low:+.4f}, {g.high:+.4f}] {unit}{sure}, {len(tuned.best.costs)} validation seeds"
-    ]
+    for one in tuned.ranking:
+        means = ", ".join(f"{key} {one.validation[key]:.5g}" for key in tuned.changed)
+        lines += [f"  {means}  {one.structure}".rstrip()]
+    low, high, seeds = tuned.gained.low, tuned.gained.high, len(next(iter(one.episodes.values())))
+    sure = "better" if high < 0.0 else "WORSE" if low > 0.0 else "no clear difference"
+    change = ", ".join(
+        f"{key} {e.value:+.4g} [{e.low:+.4g}, {e.high:+.4g}]" for key, e in tuned.changed.items()
+    )
+    lines += [f"  against {tuned.before}: {change}: {sure}, {seeds} validation seeds"]
     lines += [
         f"  WARNING: {gain} lies at the bound {bound:g} of its range: a wider one may do better"
         for gain, bound in tuned.best.at_bounds.items()

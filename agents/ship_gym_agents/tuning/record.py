@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.evaluation.rollout import tuning_seeds
+from ship_gym.evaluation.statistics import Estimate
 from ship_gym.provenance import versions
 from ship_gym.ships import load_ship
 from ship_gym_agents.gains_files import GainsFile, load_gains, place_for_gains
@@ -59,15 +60,17 @@ def gains_file(found: Tuning, how: Mapping[str, Any]) -> GainsFile:
     how : mapping
         `settings` of the tuning.
     """
-    best, gained = found.best, found.gained
+    best = found.best
     tuning = {
         "structure": best.structure,
         **how,
         "cost_tuning": _short(best.cost_tuning),
         "cost_validation": _short(best.cost),
+        "begun_at": found.begun,
         "before": found.before,
         "cost_before": _short(found.cost_before),
-        "gained": [_short(x) for x in (gained.value, gained.low, gained.high)],
+        "gained": _interval(found.gained),
+        "changed": {key: _interval(one) for key, one in found.changed.items()},
         "at_bounds": sorted(best.at_bounds),
         "validation_of": {
             tuned.structure or found.controller: {k: _short(v) for k, v in tuned.validation.items()}
@@ -75,6 +78,10 @@ def gains_file(found: Tuning, how: Mapping[str, Any]) -> GainsFile:
         },
     }
     return GainsFile(found.ship, best.gains, tuning, _versions(), found.controller)
+
+
+def _interval(found: Estimate) -> list[float]:
+    return [_short(x) for x in (found.value, found.low, found.high)]
 
 
 def _short(value: float) -> float:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,10 +48,10 @@ class Tuned:
         Dataclass of the controller.
     cost_tuning : float
         Mean objective on the tuning episodes.
-    costs : tuple of float
-        Objective of every validation episode.
-    validation : dict
-        Means of metrics on the validation episodes, in their units.
+    episodes : dict
+        Metrics of every validation episode, lists of length n.
+    cost : float
+        Mean objective on the validation episodes.
     at_bounds : dict
         Gains that lie at a bound of their range, with that bound.
     """
@@ -58,14 +59,15 @@ class Tuned:
     structure: str
     gains: Any
     cost_tuning: float
-    costs: tuple[float, ...]
-    validation: dict[str, float]
+    cost: float
+    episodes: dict[str, list[float]]
     at_bounds: dict[str, float] = dataclasses.field(default_factory=dict)
 
     @property
-    def cost(self) -> float:
-        """Mean objective on the validation episodes."""
-        return float(np.mean(self.costs))
+    def validation(self) -> dict[str, float]:
+        """Means of metrics on the validation episodes, in their units."""
+        known = {key: [x for x in values if x is not None] for key, values in self.episodes.items()}
+        return {key: float(np.mean(values)) for key, values in known.items() if values}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -82,12 +84,16 @@ class Tuning:
         The best on the validation episodes first.
     before : str
         What the gain counts from: the file of the gains of before, or the start of the search.
+    begun : str
+        File of gains that the search began at, else as `before`.
     cost_before : float
-        Its mean objective on the validation episodes.
+        Mean objective of the gains of before on the validation episodes.
     gained : Estimate
         Mean of the objective after less before on the validation episodes, paired, with its 95 %
         interval; below zero is better. The structure was chosen on these episodes, so of several
         close ones it flatters a little.
+    changed : dict
+        The same of the metric and of the rudder's travel.
     """
 
     controller: str
@@ -95,8 +101,10 @@ class Tuning:
     objective: Objective
     ranking: tuple[Tuned, ...]
     before: str
+    begun: str
     cost_before: float
     gained: Estimate
+    changed: dict[str, Estimate]
 
     @property
     def best(self) -> Tuned:
@@ -164,13 +172,14 @@ def tune(
     *,
     name: str | None = None,
     structures: Iterable[str] | None = None,
+    begin_at: str | Path | None = None,
     progress: Callable[[Iterable], Iterable] | None = None,
     **env: Any,
 ) -> Tuning:
     """Tune every structure of a controller for a ship.
 
-    A structure begins at the tuned gains that there are, else at what the structures before it
-    found, else at its own start.
+    A structure begins at the gains of `begin_at` or the tuned gains that there are, else at what
+    the structures before it found, else at its own start.
 
     Parameters
     ----------
@@ -185,6 +194,8 @@ def tune(
         own.
     structures : iterable of str, optional
         Those to tune; all if omitted.
+    begin_at : path, optional
+        File of gains to begin at, as of another ship or guidance.
     progress : callable, optional
         Wraps an iterable of as many parts as the work has.
     **env
@@ -200,31 +211,46 @@ def tune(
         check_known("structure", structure, known)
     seeds = tuning_seeds((1 + VALIDATION) * size.episodes)
     tick = _ticker(progress, len(names) * (size.generations + bool(size.polish) + 1))
-    before, what = _before(controller, load_ship(ship))
+    before, what = _read(find_gains(load_ship(ship).name, controller.KIND), controller)
+    begun, where = _read(begin_at, controller) if begin_at else (before, what)
     ranking, found = [], {}
     for structure in names:
         gains, free = known[structure]
-        ranges = _begun_at(ranges_of(controller, gains, free), before, found)
-        job = _Job(controller, objective.name, structure, gains, ranges, env)
+        ranges = _begun_at(ranges_of(controller, gains, free), begun, found)
+        job = _Job(controller, objective, structure, gains, ranges, env)
         tuned, values = _tune_one(job, size, seeds, tick)
         ranking.append(tuned)
         found |= values
     ranking.sort(key=lambda tuned: tuned.cost)
     start = before or _starts(controller, load_ship(ship))
-    costs = episode_costs(controller(start), seeds[size.episodes :], **env)
-    gained = estimate(np.subtract(ranking[0].costs, costs), np.mean)
+    old, new = _sail(controller(start), seeds[size.episodes :], env), ranking[0].episodes
     return Tuning(
-        name or controller.KIND, load_ship(ship).name, objective, tuple(ranking), what,
-        float(costs.mean()), gained,
-    )  # fmt: skip
+        controller=name or controller.KIND,
+        ship=load_ship(ship).name,
+        objective=objective,
+        ranking=tuple(ranking),
+        before=what,
+        begun=where,
+        cost_before=float(objective.of(old).mean()),
+        gained=estimate(objective.of(new) - objective.of(old), np.mean),
+        changed={
+            key: estimate(np.subtract(new[key], old[key]), np.mean)
+            for key in (objective.name, "rudder_travel")
+        },
+    )
 
 
-def _before(controller: type, ship: Ship) -> tuple[Any, str]:
-    """The tuned gains of the ship that there are, None without, and what to call them."""
-    path = find_gains(ship.name, controller.KIND)
+def _read(path: str | Path | None, controller: type) -> tuple[Any, str]:
+    """Gains of a file and what to call them; None without a file."""
     if path is None:
         return None, "the gains that tuning begins at"
-    return load_gains(path, controller).gains, f"{path.name}, sha256 {sha256(path)[:12]}"
+    return load_gains(path, controller).gains, f"{Path(path).name}, sha256 {sha256(path)[:12]}"
+
+
+def _sail(controller: Any, seeds: list[int], env: dict) -> dict[str, list[float]]:
+    """Metrics of every episode."""
+    rows = per_episode(rollout(controller, seeds=seeds, parallel=False, **env))
+    return {key: rows[key] for key in _REPORTED if key in rows}
 
 
 def _starts(controller: type, ship: Ship) -> Any:
@@ -252,7 +278,7 @@ class _Job(NamedTuple):
     """One structure to be tuned."""
 
     controller: type
-    objective: str
+    objective: Objective
     structure: str
     gains: Any
     ranges: dict[str, Range]
@@ -269,12 +295,10 @@ def _tune_one(job: _Job, size: Size, seeds: list[int], tick: Callable[[], None])
         tick,
     )
     best = with_leaves(job.gains, found)
-    rows = per_episode(rollout(kind(best), seeds=validation, parallel=False, **job.env))
+    rows = _sail(kind(best), validation, job.env)
     tick()
-    known = {key: [x for x in rows.get(key, ()) if x is not None] for key in _REPORTED}
-    means = {key: float(np.mean(values)) for key, values in known.items() if values}
-    costs, bounds = tuple(rows[job.objective]), at_bounds(found, job.ranges)
-    return Tuned(job.structure, best, cost, costs, means, bounds), found
+    judged, bounds = float(job.objective.of(rows).mean()), at_bounds(found, job.ranges)
+    return Tuned(job.structure, best, cost, judged, rows, bounds), found
 
 
 def _ticker(progress: Callable | None, parts: int) -> Callable[[], None]:

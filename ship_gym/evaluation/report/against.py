@@ -18,6 +18,7 @@ from ship_gym.reports.page import Cell, Grid, Picture, Row, Section, Text
 
 _WIDTH = 45.0  # of a sector [deg], the first is ahead
 _FEWEST = 3  # episodes of a sector that is drawn
+_EDGE = 4.0  # largest ratio of a picture over the wave heading
 SPREAD = 4  # sectors that must be met for a picture over the wave heading
 HEADER = ["controller", "against", "difference", "relative", "p (Holm)", "verdict"]
 
@@ -31,7 +32,10 @@ def difference_cells(each: Difference) -> list[str | Cell]:
 
 
 def where_policies_lose(found: Benchmark) -> Section:
-    """Cells in which a policy is significantly worse than the best classical controller."""
+    """Cells in which a policy is significantly worse than the best classical controller.
+
+    Controllers of one's own count as policies here: whatever is new stands against the classical.
+    """
     policies = [name for name, kind in found.controllers.items() if kind != "classical"]
     if not policies:
         text = "These results hold classical controllers only: no policy to compare."
@@ -44,7 +48,9 @@ def where_policies_lose(found: Benchmark) -> Section:
     ]
     blocks: list = [Text(_about_family(found)), _counts(found, policies)]
     if rows:
-        caption = "cells where a policy is worse than the best classical controller there"
+        caption = (
+            "cells where a policy or one's own controller is worse than the best classical one"
+        )
         blocks.append(Grid(caption, ["cell", "measure", *HEADER], rows, left=4))
     else:
         blocks.append(Text("No policy is significantly worse in any cell."))
@@ -135,7 +141,7 @@ def wave_headings(found: Benchmark) -> Section:
         "Where the waves come from, as seen from the bridge (port taken with starboard), against "
         "how a controller does beside the best classical one of the cell: geometric mean of the "
         f"ratio of the measures on the same seeds in sectors of {_WIDTH:g} degrees with at least "
-        f"{_FEWEST} episodes; below 1 is better."
+        f"{_FEWEST} episodes; below 1 is better, beyond {_EDGE:g} is not shown."
     )
     pictures = [each for pair in _groups(found) if (each := _polar(found, *pair))]
     return Section("Over the wave heading", [Text(text), Row(pictures)] if pictures else [])
@@ -191,7 +197,7 @@ def _polar(found: Benchmark, suite: str, ship: str) -> Picture | None:
     title = f"{suite}, {ship}: measure / best classical"
     return for_page(
         f"Suite {suite}, {ship}; without constant.",
-        lambda path: plot_polar(middles, sectors, found.look, path, title),
+        lambda path: plot_polar(middles, sectors, found.look, path, title, limit=_EDGE),
         slug(f"waves_{suite}_{ship}"),
     )
 

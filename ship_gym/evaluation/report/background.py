@@ -22,7 +22,7 @@ def controllers(found: Benchmark) -> Section:
     rows = []
     for name, kind in found.controllers.items():
         said = about.get(name, {})
-        rest = {key: value for key, value in said.items() if key not in ("kind", "name")}
+        rest = {key: value for key, value in said.items() if key != "kind" and value != name}
         rows.append([name, kind, _in_words(rest) or "nothing is said about it"])
     blocks = [Grid("what was trained or tuned on what", ["controller", "kind", "source"], rows, 3)]
     times = _decision_times(found)
@@ -79,7 +79,7 @@ def errors(found: Benchmark) -> Section:
 def provenance(found: Benchmark) -> Section:
     """Versions, machine, seeds, suites and how to make the results again."""
     rest = {key: value for key, value in found.about.items() if key != "controllers"}
-    rows = [[key, _short(value)] for key, value in _flat(rest)]
+    rows = [[key, _short(value)] for key, value in _flat(rest) if value not in ("", [], {}, None)]
     if not rows:
         return Section("Provenance", [Text("The results say nothing about how they were made.")])
     whole = json.dumps(found.about, indent=1, sort_keys=True, default=str)

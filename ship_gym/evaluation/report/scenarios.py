@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
@@ -18,7 +18,11 @@ _WEAR = ("rudder_travel", "rudder_reversals")
 _ERRORS = ("J_0.1", "rms_cross_track")  # shown beside the measure, where a task has them
 
 
-def scenarios(found: Benchmark, drawn: Mapping[Event, Row]) -> list[Section]:
+def scenarios(
+    found: Benchmark,
+    drawn: Mapping[Event, Row],
+    progress: Callable[[Iterable[Event]], Iterable[Event]] = iter,
+) -> list[Section]:
     """A section for each suite.
 
     Parameters
@@ -26,15 +30,13 @@ def scenarios(found: Benchmark, drawn: Mapping[Event, Row]) -> list[Section]:
     found : Benchmark
     drawn : mapping
         Pictures of episodes, ``episodes.pictures``.
+    progress : callable
+        Wraps the events, such as a bar.
     """
-    made = []
-    for suite in found.suites:
-        blocks: list[Block] = []
-        for event in found.events:
-            if event.suite == suite:
-                blocks += _part(found, event, drawn.get(event))
-        made.append(Section(f"Suite {suite}", blocks, f"suite-{suite}"))
-    return made
+    blocks: dict[str, list[Block]] = {suite: [] for suite in found.suites}
+    for event in progress(found.events):
+        blocks[event.suite] += _part(found, event, drawn.get(event))
+    return [Section(f"Suite {name}", part, f"suite-{name}") for name, part in blocks.items()]
 
 
 def _part(found: Benchmark, event: Event, drawn: Row | None) -> list[Block]:
@@ -70,7 +72,11 @@ def _about(found: Benchmark, event: Event) -> str:
     if cell.optimum is None:
         return f"{text}."
     text += f"; the optimum ({cell.optimum_kind}, {cell.optimum_seeds} seeds) has "
-    return f"{text}{words.number(cell.optimum)}, a score of {words.score(scaled.optimum)}."
+    text += f"{words.number(cell.optimum)}, a score of {words.score(scaled.optimum)}"
+    room = cell.headroom
+    return text + (
+        "." if room is None else f"; headroom {words.interval(room)} % of the reference."
+    )
 
 
 def _table(found: Benchmark, event: Event) -> Grid:

@@ -47,7 +47,9 @@ def share(value: float | None) -> str:
 
 
 def signed_share(value: float) -> str:
-    """A signed share in per cent."""
+    """A signed share in per cent; beyond 1000 %, how many times as large the whole is."""
+    if math.isfinite(value) and value > 10.0:
+        return f"{1.0 + value:.0f} times"
     return f"{100.0 * value:+.1f} %" if math.isfinite(value) else NONE
 
 

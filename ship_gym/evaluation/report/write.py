@@ -16,7 +16,7 @@ _MARK = "Written by `{}`; run it again instead of editing."
 
 
 def write_report(
-    results: Results,
+    results: Results | Benchmark,
     path: str | os.PathLike,
     *,
     sail: episodes.Sail | None = None,
@@ -27,8 +27,8 @@ def write_report(
 
     Parameters
     ----------
-    results : Results
-        Of ``episodes_table.read_results``.
+    results : Results or Benchmark
+        Of ``episodes_table.read_results``, or judged already.
     path : path-like
         HTML file.
     sail : callable, optional
@@ -39,7 +39,7 @@ def write_report(
     progress : callable
         Wraps what takes long, such as a bar.
     """
-    found = judge(results)
+    found = results if isinstance(results, Benchmark) else judge(results)
     drawn = episodes.pictures(found, sail, pictures, progress) if sail else {}
     parts = [
         leaderboard.leaderboard(found),
@@ -48,7 +48,7 @@ def write_report(
         against.differences(found),
         against.profiles(found),
         against.wave_headings(found),
-        *scenarios.scenarios(found, drawn),
+        *scenarios.scenarios(found, drawn, progress),
         background.controllers(found),
         background.errors(found),
         background.provenance(found),
@@ -57,13 +57,13 @@ def write_report(
 
 
 def write_markdown(
-    results: Results, path: str | os.PathLike, command: str = "ship-gym report"
+    results: Results | Benchmark, path: str | os.PathLike, command: str = "ship-gym report"
 ) -> list[Path]:
     """Write the results page of the documentation: tables, and pictures in a folder beside it.
 
     Parameters
     ----------
-    results : Results
+    results : Results or Benchmark
     path : path-like
         Markdown file; the pictures go to the folder of its name.
     command : str
@@ -74,10 +74,10 @@ def write_markdown(
     list of pathlib.Path
         The files written.
     """
-    found = judge(results)
-    sailed = str(found.about.get("command", ""))
+    found = results if isinstance(results, Benchmark) else judge(results)
+    commands = dict.fromkeys(filter(None, (str(found.about.get("command", "")), command)))
     parts = [
-        Section("", [Text(f"{under(found)}. Made by:"), Command(f"{sailed}\n{command}".strip())]),
+        Section("", [Text(f"{under(found)}. Made by:"), Command("\n".join(commands))]),
         leaderboard.leaderboard(found),
         against.where_policies_lose(found),
         leaderboard.cells(found),

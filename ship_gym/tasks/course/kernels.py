@@ -11,11 +11,12 @@ from ship_gym.tasks.base import RUNNING
 from ship_gym.tasks.heading import kernels as heading
 
 OVERSHOOT_LIMIT = 3  # outcome, behind that of a heading
+# Before those of a heading: numba would take a record that begins like another one for it.
 FIELDS = (
-    *heading.FIELDS,
     ("overshoot_limit", np.float64),  # how far past the order a turn may swing [rad]; inf: any
     ("swing", np.float64),  # side of the turn to the order, 1 starboard; 0 once it is over
     ("passed", np.int64),  # whether the ship has passed the order on it
+    *heading.FIELDS,
 )
 
 

@@ -27,14 +27,15 @@ CASES = [
 def test_costs_of_tuning_are_the_metrics(scenario, controller, overrides):
     env = {"scenario": scenario, "overrides": overrides, "seeds": [1, 2]}
     sailed = rollout(controller, **env)
-    name = objective_of(sailed.scenario.task).name
-    assert episode_costs(controller, **env) == pytest.approx(per_episode(sailed)[name], rel=1e-12)
+    expected = objective_of(sailed.scenario.task).of(per_episode(sailed))
+    assert episode_costs(controller, **env) == pytest.approx(expected, rel=1e-12)
     assert sailed.failed.all() == (controller is HARD_OVER)
 
 
 def test_what_tasks_are_tuned_for(monkeypatch):
     assert objective_of("heading_keeping").name == "J_0.1"
-    assert objective_of("track_following").unit == "L"
+    track = objective_of("track_following")
+    assert track.of({"rms_route": [0.2], "rudder_travel": [1000.0]}) == pytest.approx(0.22)
     known = {"mine": SimpleNamespace(metrics={}), "heading_keeping": TASKS["heading_keeping"]}
     monkeypatch.setattr(objective, "TASKS", known)
     with pytest.raises(ConfigError, match=r"task 'mine'.*allowed are heading_keeping"):

@@ -46,7 +46,8 @@ def test_a_tuning_tells_what_it_gained_and_is_kept(tmp_path):
     before = episode_costs(PID(PID.gains_for(KCS)), seeds, ship="kcs", **SHORT)
     after = episode_costs(PID(found.best.gains), seeds, ship="kcs", **SHORT)
     assert found.before.startswith("pid_kcs.toml, sha256 ")
-    assert found.cost_before == before.mean()
+    assert found.cost_before == pytest.approx(before.mean(), rel=1e-12)
+    assert found.changed["J_0.1"] == found.gained
     assert found.best.cost == pytest.approx(after.mean(), rel=1e-12)
     assert found.gained.value == pytest.approx((after - before).mean())
     assert found.gained.low <= found.gained.value <= found.gained.high
@@ -61,12 +62,12 @@ def test_a_tuning_tells_what_it_gained_and_is_kept(tmp_path):
     assert "rudder_reversals" in made.tuning["validation_of"]["PD"]
 
 
-def test_a_tuning_begins_at_the_gains_that_there_are(monkeypatch):
+def test_a_tuning_begins_at_the_gains_that_there_are(monkeypatch, tmp_path):
     """So on the tuning seeds it is never worse, however little it searches."""
     pytest.importorskip("optuna")
     found = tune(PID, "kcs", SMALL, structures=["PD + sway, observer"], **SHORT)
     gains = with_leaves(found.best.gains, {"K_p": 2.7, "K_v": 99.0})
-    monkeypatch.setattr(tuning, "_before", lambda controller, ship: (gains, "mine"))
+    path = write_gains(GainsFile("kcs", gains, {}, {}), tmp_path / "mine.toml")
     begun = []
 
     def search(costs, ranges, size, tick):
@@ -74,7 +75,8 @@ def test_a_tuning_begins_at_the_gains_that_there_are(monkeypatch):
         return begun[-1], 1.0
 
     monkeypatch.setattr(tuning, "search", search)
-    assert tune(PID, "kcs", SMALL, structures=["PD", "PID + sway"], **SHORT).before == "mine"
+    told = tune(PID, "kcs", SMALL, structures=["PD", "PID + sway"], begin_at=path, **SHORT)
+    assert told.begun.startswith("mine.toml, sha256 ") and told.before.startswith("pid_kcs.toml")
     pd, sway = begun
     assert pd == {"K_p": 2.7, "K_d": found.best.gains.K_d}
     assert sway["K_v"] == PID.TUNED["K_v"][2]  # outside the range: as if there were none

@@ -6,7 +6,10 @@ import shutil
 import numpy as np
 import pytest
 
-from ship_gym.evaluation.report import write_markdown, write_report
+from ship_gym.evaluation.report import judge, scenarios, write_markdown, write_report
+from ship_gym.evaluation.report.events import events
+from ship_gym.evaluation.score import OPTIMA, Reference, References
+from ship_gym.evaluation.statistics import Estimate
 from ship_gym.recording.trajectory import Trajectory
 
 from .conftest import made_up
@@ -42,6 +45,21 @@ def test_the_page_loads_nothing_and_says_what_was_asked(page):
         "The worst episode of mine, course_changing/kcs, seed",
     ):  # fmt: skip
         assert words in text, words
+
+
+def test_the_optimum_and_its_headroom_stand_beside(results):
+    event = events(results.table)[0]
+    room = Estimate(18.0, 15.0, 21.0)
+    cell = Reference(
+        event.scenario, event.ship, event.measure, 80.0, 20.0, "lqg", 16.4, OPTIMA[0], 32, room
+    )
+    stored = References("ShipBench-1", (0, 64), {event.cell: cell}, {})
+    found = judge(results, stored)
+    (section, *_) = scenarios.scenarios(found, {})
+    text = section.blocks[1].plain().replace("\n  ", " ")
+    assert "Score 0 at 80.0, 100 at 20.0 (lqg, ShipBench-1)" in text
+    assert "(gauss-newton plan, 32 seeds) has 16.4, a score of 114" in text  # 100 ln 4.88 / ln 4
+    assert "headroom 18.0 [15.0, 21.0] % of the reference" in text
 
 
 def test_links_lead_to_places_on_the_page(page):
