@@ -11,10 +11,15 @@ pytest.importorskip("pyarrow")
 
 
 @pytest.fixture(scope="module")
-def page(sailed, tmp_path_factory):
+def file(sailed, tmp_path_factory):
     path = tmp_path_factory.mktemp("page") / "manoeuvres.html"
     write_manoeuvres_report(path, sailed, rows_of(sailed), {"version": "ShipBench-1"})
-    return path.read_text("utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def page(file):
+    return file.read_text("utf-8")
 
 
 def test_it_says_limits_trials_sides_and_seas(page):
@@ -46,3 +51,19 @@ def test_the_difference_of_the_sides_is_port_less_starboard_of_their_mean(page, 
     cells = [f"{circle['starboard']:.4g}", f"{circle['port']:.4g}", f"{share:+.1f} %"]
     row = '</td><td class="left">L</td><td>' + "</td><td>".join(cells)
     assert row in page
+
+
+@pytest.mark.parametrize("width", [1280, 420])
+def test_chromium_shows_every_picture(file, browser, width):
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    browser.get(file.as_uri())
+    browser.execute_script("document.querySelectorAll('details').forEach(d => d.open = true)")
+    pictures = browser.execute_script(
+        "return [...document.images].map(i => [i.alt, i.naturalWidth, i.clientWidth, i.complete])"
+    )
+    assert len(pictures) == 4
+    for alt, natural, shown, complete in pictures:
+        assert complete and natural > 0 and 0 < shown <= width, alt
+    assert browser.get_log("browser") == []
+    assert browser.execute_script("return document.documentElement.scrollWidth") <= width
