@@ -194,7 +194,7 @@ def _forces(cases: Sequence[Sailed]) -> list[Any]:
     for part in found["starboard"]:
         row = [part]
         for k, unit in enumerate((1e3, 1e3, 1e3 * L)):
-            row += [f"{balance[part][k] / unit:.3g}" for balance in found.values()]
+            row += [f"{balance[part][k] / unit:,.1f}" for balance in found.values()]
         cells.append(row)
     header = ["", *(f"{axis} {side}" for axis in ("X", "Y", "N/L") for side in found)]
     return [Folded("Forces in the steady turns", [Grid("[kN], midship", header, cells)])]
