@@ -66,7 +66,7 @@ def jobs(suites: list[str], ships: list[str] | None) -> dict[str, Job]:
         for entry in suite.scenario:
             for ship in ships or suite.ships:
                 key = "/".join((" ".join(filter(None, (entry.name, entry.control))), ship))
-                named = classical(suite.controllers)
+                named = classical(entry.controllers or suite.controllers)
                 made = Job(key, entry.name, ship, entry.measure, entry.control, named)
                 known = found.setdefault(key, made)
                 if known.measure != made.measure:

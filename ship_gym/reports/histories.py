@@ -92,8 +92,8 @@ def _while_over(history: History) -> History:
 def read_history(path: Path, ship: Ship) -> History:
     """A file of measured values.
 
-    Time counts from when the rudder begins to move. The first heading and the place then are
-    those of the approach.
+    Time and place count from when the rudder begins to move. Headings stay those of the file, of
+    which 0 is the approach course: reversals were ordered by them.
 
     Raises
     ------
@@ -117,15 +117,10 @@ def read_history(path: Path, ship: Ship) -> History:
     k = moved[0]
     rate = (delta[k + 1] - delta[k]) / (t[k + 1] - t[k])
     order = t[k] - (delta[k] - delta[0]) / rate
-    heading = math.radians(float(np.interp(order, t, psi)))
     x, y = x - np.interp(order, t, x), y - np.interp(order, t, y)
-    c, s = math.cos(heading), math.sin(heading)
     L, after = ship.full_length, t >= order
     speed = np.hypot(u, v) / np.hypot(u, v)[: max(k, 1)].mean()
-    found = History(
-        t - order, (x * c + y * s) / L, (y * c - x * s) / L, np.radians(psi) - heading,
-        -np.radians(delta), speed,
-    )  # fmt: skip
+    found = History(t - order, x / L, y / L, np.radians(psi), -np.radians(delta), speed)
     return History(*(getattr(found, field.name)[after] for field in dataclasses.fields(found)))
 
 

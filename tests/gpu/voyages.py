@@ -22,6 +22,9 @@ FAILURE = {
     "failure.rudder_rate": 0.5,
     "failure.heading_bias_deg": 3.0,
     "failure.propeller_speed": 0.8,
+    "failure.dropout": 4.0,
+    "sensors.dropout_rate": 300.0,
+    "sensors.dropout_time": 2.0,
 }
 TRACK = {  # 14 intervals: the next leg begins, some leave the track
     "control_interval": 4.0,

@@ -92,3 +92,47 @@ def test_evaluate_says_where_a_controller_failed(cli, tmp_path, name, words):
     code, out, err = cli("evaluate", *arguments, "--episodes", 6)
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert err.startswith(f"error: controller {name.lower()}, episode 20000") and words in err
+
+
+HULLS = """\
+name = "hulls"
+version = "mine"
+title = "Hulls"
+kind = "manoeuvres"
+ships = ["kvlcc2"]
+
+[[manoeuvre]]
+kind = "zigzag"
+rudder_deg = 10.0
+"""
+
+
+def test_manoeuvres_have_a_table_and_a_page_of_their_own(cli, tmp_path):
+    (tmp_path / "hulls.toml").write_text(HULLS)
+    code, out, err = cli("benchmark", "--suite", "hulls.toml", "--json")
+    assert code == 0, err
+    found = json.loads(out)
+    files = ["runs/benchmark/manoeuvres.parquet", "runs/benchmark/manoeuvres.html"]
+    assert found["files"] == files and all((tmp_path / file).is_file() for file in files)
+    assert {row["manoeuvre"] for row in found["rows"] if row["side"]} == {"zig-zag 10/10"}
+    assert not (tmp_path / "runs/benchmark/episodes.parquet").exists()
+    code, out, err = cli("benchmark", "--suite", "hulls.toml", "--ships", "onrt", "--no-report")
+    assert code == 0 and "onrt  zig-zag 10/10 starboard  first overshoot" in out and "pass" in out
+
+
+def test_manoeuvres_beside_episodes(small, tmp_path):
+    (tmp_path / "hulls.toml").write_text(HULLS)
+    code, out, err = small(
+        "--suite", "hulls.toml", "--ships", "kcs", "--seeds", 1, "--controllers", "pid",
+        "--no-report", "--json",
+    )  # fmt: skip
+    assert code == 0, err
+    found = json.loads(out)
+    assert found["manoeuvres"]["files"] == ["runs/benchmark/manoeuvres.parquet"]
+    assert {row["ship"] for row in found["manoeuvres"]["rows"]} == {"kcs"} and found["scores"]
+
+
+def test_a_folder_without_histories_is_one_line(cli, tmp_path):
+    code, out, err = cli("benchmark", "--suite", "manoeuvres", "--trials", "none")
+    assert (code, out, err.count("\n")) == (2, "", 1) and "no files marin_free_*.csv" in err
+    assert not list(tmp_path.iterdir())

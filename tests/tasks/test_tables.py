@@ -4,7 +4,7 @@ import pytest
 
 from ship_gym.tasks import TASKS, measures
 
-UNITS = {"-", "deg", "deg2", "s", "L", "deg/h", "1/h", "kWh/nmi"}
+UNITS = {"-", "deg", "deg2", "kWh", "s", "L", "deg/h", "1/h", "kWh/nmi"}
 
 
 @pytest.mark.parametrize("name", TASKS.own())

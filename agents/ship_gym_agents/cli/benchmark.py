@@ -78,9 +78,9 @@ def command(as_json, suites, resume, report, trials, **options) -> None:
     from ship_gym_agents.entrants import entrant
 
     again = _again(suites, options | {"trials": trials})
-    suites, hulls = split(suites)
-    moved = sail_suites(hulls, trials=trials, report=report, command=again, **options)
+    suites, hulls = split(suites, trials)
     if not suites:
+        moved = sail_suites(hulls, report=report, command=again, **options)
         show(as_json, moved.data, moved.text)
         return
     try:
@@ -100,7 +100,8 @@ def command(as_json, suites, resume, report, trials, **options) -> None:
     following = _worst(results) or next_command("evaluate")
     text = [as_text(scores, results), "", *(f"wrote {file}" for file in files), _how(results)]
     found = {"scores": scores, "about": results.about, "next": following}
-    if hulls:
+    if hulls.suites:
+        moved = sail_suites(hulls, report=report, command=again, **options)
         found["manoeuvres"] = moved.data
         text = [moved.text, "", *text]
     found["files"] = [str(file) for file in files]

@@ -18,22 +18,44 @@ class Shown:
     text: str
 
 
-def split(suites: Sequence[str]) -> tuple[list[str], list[Any]]:
-    """Suites of episodes, by name or file, and those of manoeuvres, loaded."""
+@dataclasses.dataclass(frozen=True)
+class Hulls:
+    """Suites of manoeuvres, and the folder of measured histories, None without."""
+
+    suites: tuple[Any, ...]
+    trials: Path | None
+
+
+def split(suites: Sequence[str], trials: Path | None) -> tuple[list[str], Hulls]:
+    """Suites of episodes, by name or file, and those of manoeuvres.
+
+    Parameters
+    ----------
+    suites : sequence of str
+        As in the verb.
+    trials : Path or None
+        Folder of measured histories that was asked for.
+
+    Raises
+    ------
+    ConfigError
+        An unknown suite, or a folder without histories.
+    """
     from ship_gym.evaluation.suite import ALL, available_suites, load_suites
+    from ship_gym.reports.histories import find_trials
 
     names = [name for one in suites for name in (available_suites() if one == ALL else [one])]
     loaded = dict(zip(dict.fromkeys(names), load_suites(list(suites)), strict=True))
-    hulls = [suite for suite in loaded.values() if suite.kind == "manoeuvres"]
-    return [name for name, suite in loaded.items() if suite not in hulls], hulls
+    hulls = tuple(suite for suite in loaded.values() if suite.kind == "manoeuvres")
+    episodes = [name for name, suite in loaded.items() if suite not in hulls]
+    return episodes, Hulls(hulls, find_trials(trials))
 
 
 def sail_suites(
-    suites: Sequence[Any],
+    hulls: Hulls,
     *,
     out: Path,
     ships: Sequence[str] = (),
-    trials: Path | None = None,
     report: bool = True,
     command: str = "",
     **_: Any,
@@ -42,30 +64,24 @@ def sail_suites(
 
     Parameters
     ----------
-    suites : sequence of Suite
-        Without any, nothing is done.
+    hulls : Hulls
     out : Path
         Folder.
     ships : sequence of str
         Instead of those of the suites.
-    trials : Path, optional
-        Folder of measured histories.
     report : bool
     command : str
         Kept with the results.
     """
-    if not suites:
-        return Shown({}, "")
     from ship_gym.evaluation.episodes_table import arrow
     from ship_gym.evaluation.manoeuvres.sailing import sail_manoeuvres
     from ship_gym.evaluation.manoeuvres.table import rows_of, write_manoeuvres
     from ship_gym.provenance import provenance
-    from ship_gym.reports.histories import find_trials
     from ship_gym.reports.speed import machine
     from ship_gym_agents.cli.output import progress
 
     arrow()  # refuses before the work
-    folder = find_trials(trials)
+    suites = hulls.suites
     manoeuvres = list(dict.fromkeys(each for suite in suites for each in suite.manoeuvre))
     chosen = list(ships) or list(dict.fromkeys(ship for suite in suites for ship in suite.ships))
     sailed = sail_manoeuvres(manoeuvres, chosen, progress)
@@ -74,7 +90,7 @@ def sail_suites(
         "version": ", ".join(dict.fromkeys(suite.version for suite in suites)),
         "suites": {suite.name: suite.sha256 for suite in suites},
         "ships": list(dict.fromkeys(each.ship.name for each in sailed)),
-        "trials": None if folder is None else folder.name,
+        "trials": None if hulls.trials is None else hulls.trials.name,
         "command": command,
         "machine": machine(),
         **provenance(),
@@ -86,8 +102,8 @@ def sail_suites(
         from ship_gym.evaluation.manoeuvres.report import write_manoeuvres_report
 
         files.append(out / PAGE)
-        bar = lambda chosen: progress(chosen, "pictures")  # noqa: E731
-        write_manoeuvres_report(files[1], sailed, rows, about, folder, bar)
+        bar = lambda found: progress(found, "pictures")  # noqa: E731
+        write_manoeuvres_report(files[1], sailed, rows, about, hulls.trials, bar)
     return Shown({"rows": rows, "files": [str(file) for file in files]}, _text(rows, files))
 
 

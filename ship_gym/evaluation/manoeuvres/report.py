@@ -13,6 +13,8 @@ from ship_gym.evaluation.manoeuvres.sailing import Sailed
 from ship_gym.reports.balance import steady_balance
 from ship_gym.reports.case import Case
 from ship_gym.reports.histories import SOURCE, computed_history, difference, measured_history
+from ship_gym.reports.measures import Row as Shown
+from ship_gym.reports.measures import difference_text
 from ship_gym.reports.page import Cell, Folded, Grid, Section, Text, write_page
 
 Row = Mapping[str, Any]
@@ -96,7 +98,7 @@ def _scatter(rows: Sequence[Row]) -> Section:
             row["unit"],
             f"{row['trial']:.4g}" + (f" ± {sd:.2g}" if sd else ""),
             f"{row['value']:.4g}",
-            f"{100.0 * off / row['trial']:+.0f} %" if row["trial"] else "",
+            _off(row),
             f"{off / sd:+.1f}" if sd else "",
         ])  # fmt: skip
     header = ["ship", "manoeuvre", "measure", "unit", "measured", "computed", "off", "in SD"]
@@ -104,6 +106,12 @@ def _scatter(rows: Sequence[Row]) -> Section:
     blocks = [Grid("Trials of the ship files", header, cells, 4)] if cells else []
     blocks += [Folded("Sources", [Text(source) for source in sources])] if sources else []
     return Section("Trials", blocks, "trials")
+
+
+def _off(row: Row) -> str:
+    """By how much the computed value is off: of a direction an angle, else a share."""
+    shown = Shown(row["measure"], row["value"], row["trial"])
+    return difference_text(shown)
 
 
 def _of_ship(
@@ -186,7 +194,7 @@ def _forces(cases: Sequence[Sailed]) -> list[Any]:
     for part in found["starboard"]:
         row = [part]
         for k, unit in enumerate((1e3, 1e3, 1e3 * L)):
-            row += [f"{balance[part][k] / unit:.3g}" for balance in found.values()]
+            row += [f"{balance[part][k] / unit:,.1f}" for balance in found.values()]
         cells.append(row)
     header = ["", *(f"{axis} {side}" for axis in ("X", "Y", "N/L") for side in found)]
     return [Folded("Forces in the steady turns", [Grid("[kN], midship", header, cells)])]

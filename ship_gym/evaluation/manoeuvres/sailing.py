@@ -100,7 +100,7 @@ def _trials(ship: Ship, found: Sequence[Sailed]) -> list[Sailed]:
     return [
         Sailed(ship, Manoeuvre(names[trial.manoeuvre], abs(trial.delta_deg)), "", "", trial=trial)
         for trial in ship.trials
-        if trial not in there
+        if trial.measures and trial not in there
     ]
 
 

@@ -1,7 +1,6 @@
 """The whole report: one file that loads nothing, what it says, and its pages in Chromium."""
 
 import re
-import shutil
 
 import numpy as np
 import pytest
@@ -86,24 +85,6 @@ def test_markdown_with_its_pictures(results, tmp_path):
     shown = re.findall(r"\]\((results/[^)]+)\)", text)
     assert sorted(shown) == sorted(f"results/{file.name}" for file in files[1:])
     assert all(len(line) <= 100 for line in text.splitlines() if line[:1] not in ("|", "!"))
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """Chromium without a window; it is closed whatever happens."""
-    webdriver = pytest.importorskip("selenium.webdriver")
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
-    driver = shutil.which("chromedriver")
-    if not (chromium and driver):
-        pytest.skip("needs chromium and chromedriver")
-    options = webdriver.ChromeOptions()
-    options.binary_location = chromium
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    made = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
-    yield made
-    made.quit()
 
 
 @pytest.mark.parametrize("width", [1280, 420])
