@@ -49,7 +49,7 @@ class LOSPID(PID):
         "guidance.turn_radius": (0.5, 12.0, None),
         "guidance.reach": (-1.0, 3.0, None),
         "reference.frequency": (0.8, 16.0, None),
-        "reference.rate_limit": (0.1, 2.0, None),
+        "reference.rate_limit": (0.1, 5.0, None),
         **{name: (*PID.TUNED[name][:2], None) for name in _HELMSMAN},
     }
 

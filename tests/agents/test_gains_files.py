@@ -12,6 +12,9 @@ from ship_gym_agents.reference import Guidance
 
 from ship_gym import load_ship
 from ship_gym.config import ConfigError
+from ship_gym.evaluation.comparison import per_episode
+from ship_gym.evaluation.rollout import rollout
+from ship_gym.evaluation.splits import evaluation_seeds, split_of
 
 MINE = """
 import dataclasses
@@ -97,3 +100,28 @@ def test_numbers_of_numpy_are_refused(tmp_path):
     with pytest.raises(ConfigError, match="cannot write"):
         write_gains(made, tmp_path / "x.toml")
     assert not (tmp_path / "x.toml").exists()
+
+
+@pytest.mark.parametrize("path", sorted(gains_files.GAINS.glob("*.toml")), ids=lambda p: p.stem)
+def test_gains_of_the_package_say_where_they_are_from(path):
+    """Tuned on tuning seeds, named after controller and ship, no gain at a bound of its range."""
+    found = load_gains(path, controller_class(kind_of(path)))
+    assert path.name == f"{found.controller}_{found.ship}.toml"
+    assert type(make_controller(path)).KIND == found.controller
+    seeds = (*found.tuning["seeds_tuning"], *found.tuning["seeds_validation"])
+    assert all(split_of(seed) == "tuning" for seed in seeds)
+    assert found.tuning.get("at_bounds", []) == []
+    if "gained" in found.tuning:
+        assert found.tuning["gained"][1] <= 0.0  # no clear loss against what was there before
+
+
+@pytest.mark.parametrize("ship", ["kcs", "kvlcc2", "onrt"])
+def test_tuned_guidance_keeps_the_route_better(ship):
+    """Of a current that the default guidance was not chosen for; with as much rudder or so."""
+    env = {"scenario": "track_crosscurrent", "ship": ship}
+    for law in (ILOS, DriftLOS):
+        tuned, first = (
+            np.mean(per_episode(rollout(law(g), seeds=evaluation_seeds(6), **env))["rms_route"])
+            for g in (law.gains_for(load_ship(ship)), law.first_gains(load_ship(ship)))
+        )
+        assert tuned < 0.85 * first
