@@ -142,6 +142,7 @@ def test_a_suite_that_cannot_be_sailed_is_refused(tmp_path, old, new, words):
 
 def test_a_suite_of_manoeuvres_has_no_episodes(tmp_path):
     text = SUITE.partition("controllers")[0] + 'kind = "manoeuvres"\n'
+    text += '\n[[manoeuvre]]\nkind = "spiral"\n'
     with pytest.raises(ConfigError, match="suite small: kind 'manoeuvres' has no episodes to sail"):
         plan(write_suite(tmp_path, text), entrant, seeds=1)
     assert load_suite(tmp_path / "small.toml").scenario == ()
