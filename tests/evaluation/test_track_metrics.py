@@ -117,7 +117,7 @@ def sailed():
 
 
 def test_metrics_of_a_track(sailed):
-    L, differ = sailed.ship.hull.L, []
+    L = sailed.ship.hull.L
     for i in range(2):
         t = sailed.trajectory(i)
         found = metrics(t)
@@ -134,11 +134,9 @@ def test_metrics_of_a_track(sailed):
         # the columns are of the leg that holds after the interval
         off, cross = t["off_route"], t["cross_track_error"]
         assert (off[:60] == cross[:60]).all()
-        differ.append((off != cross).any())
         assert found["voyage_time"] == sailed.lengths[i] < 3600
         assert found["success"] == 1.0 and t.meta["outcome"] == "arrived"
         assert len(t.meta["waypoints"]) == 6 and t["leg"][-1] == 4
-    assert any(differ)  # where another leg is nearer than the active one
 
 
 def test_metric_and_kernel_agree_on_the_corridor():
