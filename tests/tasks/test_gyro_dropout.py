@@ -92,6 +92,7 @@ def test_vector_rows_are_scalars_by_chance_and_by_failure(parallel):
         np.testing.assert_array_equal(seen, [env.step(np.array([0.4]))[0] for env in ones])
 
 
+@pytest.mark.compiled
 def test_dropouts_by_chance_come_as_often_and_last_as_long_as_stated():
     """900 an hour for 3 s: of 4 s of a sound gyro and 3 s of a lost one, so lost 3 in 7 s.
 
