@@ -185,6 +185,14 @@ def off_route(points: np.ndarray, legs: np.ndarray, x: np.ndarray, y: np.ndarray
     return _voyage(lambda *row: on_route(*row).off, points, legs, x, y)
 
 
+def share_left(points: np.ndarray, leg: int, x: float, y: float) -> float:
+    """Share of the length of a route that a ship on leg `leg` has yet to sail, 0 to 1."""
+    lengths = np.hypot(*np.diff(points, axis=0).T)
+    to_go = leg_axes(x, y, *points[leg], *points[leg + 1])
+    left = min(max(to_go[2] - to_go[0], 0.0), lengths[leg]) + lengths[leg + 1 :].sum()
+    return float(left / lengths.sum())
+
+
 def _voyage(value: Callable, points, legs, x, y) -> np.ndarray:
     """`value` of position and way-points, as `on_route` takes them, at each instant."""
     legs = np.asarray(legs)

@@ -139,6 +139,16 @@ def test_metrics_of_a_track(sailed):
         assert len(t.meta["waypoints"]) == 6 and t["leg"][-1] == 4
 
 
+def test_loitering_on_the_route_does_not_pay():
+    """Time up at 500 m of 2000 m, always 30 m off: a quarter at 0.3 L, three at the limit, 5 L."""
+    places = path((0, 30), (500, 30))
+    found = measure(voyage(places, outcome="end of time"))
+    assert found["rms_route"] == pytest.approx(math.sqrt(0.25 * 0.09 + 0.75 * 25.0))
+    there_and_back = path((0, 0), (500, 0), (100, 0))  # 1900 m are left
+    found = measure(voyage(there_and_back, outcome="end of time"))
+    assert found["rms_route"] == pytest.approx(5.0 * math.sqrt(0.95))
+
+
 def test_metric_and_kernel_agree_on_the_corridor():
     """In the narrow one some of these voyages leave it, some do not."""
     sailed = rollout(ILOS(), "track_corridor", seeds=range(12))

@@ -18,6 +18,7 @@ from ship_gym.tracks.guidance import (
     off_route,
     on_route,
     passed,
+    share_left,
 )
 
 METRES = st.floats(-1e4, 1e4)
@@ -136,6 +137,15 @@ def test_the_distance_to_the_route_is_that_to_the_nearest_leg(leg, north, east, 
     assert off_route(CORNERS, *voyage)[0] == pytest.approx(off, abs=1e-9)
     mirrored = here(leg, north, -east, CORNERS * [1.0, -1.0])
     assert mirrored.off == pytest.approx(-off, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("leg", "north", "east", "share"),
+    [(0, 0.0, 50.0, 1.0), (0, 400.0, 0.0, 2600 / 3000), (1, 1000.0, 250.0, 1750 / 3000),
+     (2, 2500.0, 1000.0, 0.0), (0, -300.0, 0.0, 1.0)],
+)  # fmt: skip
+def test_share_of_the_route_that_is_left(leg, north, east, share):
+    assert share_left(CORNERS, leg, north, east) == pytest.approx(share)
 
 
 def test_only_three_legs_are_looked_at():

@@ -11,13 +11,14 @@ from ship_gym.simulation import through_water
 from ship_gym.tasks.base import Metric
 from ship_gym.tasks.measures import delivered_energy, rms, sailed_time, to_the_end
 from ship_gym.tasks.track.kernels import AT_THE_END
-from ship_gym.tracks.guidance import cross_track, off_route
+from ship_gym.tracks.guidance import cross_track, off_route, share_left
 
 METRICS: dict[str, Metric] = {
     "rms_route": Metric(
         "L",
         "root mean square of the distance to the route, the nearest of the previous, the active "
-        "and the next leg",
+        "and the next leg; of one whose time is up before the end: the share of the route that is "
+        "left counts with the distance that ends an episode, so that loitering never pays",
         "lower",
     ),
     "max_route": Metric("L", "largest distance to the route, start included", "lower"),
@@ -57,8 +58,12 @@ def measure(trajectory: Trajectory) -> dict[str, float]:
     off, cross = off_route(*voyage) / L, cross_track(*voyage) / L
     start = abs(trajectory["cross_track_error"][0]) / L  # on the first leg that is both
     at_end = meta["outcome"] in AT_THE_END
+    left = 0.0 if at_end or meta["failed"] else share_left(voyage[0], *(z[-1] for z in voyage[1:]))
+    judged = rms(to_the_end(trajectory, off, limits["cross_track"]))
     return {
-        "rms_route": rms(to_the_end(trajectory, off, limits["cross_track"])),
+        "rms_route": math.hypot(
+            math.sqrt(1.0 - left) * judged, math.sqrt(left) * limits["cross_track"]
+        ),
         "max_route": float(max(np.abs(off).max(), start)),
         "corridor": _kept(to_the_end(trajectory, off, math.inf), limits["corridor"]),
         "rms_cross_track": rms(to_the_end(trajectory, cross, limits["cross_track"])),
