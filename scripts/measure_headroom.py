@@ -90,6 +90,7 @@ def inputs(job: Job) -> str:
     files = [path for name in (job.ship, f"{job.ship}_model") for path in files_of(name)]
     gains = GAINS.glob(f"*_{job.ship}.toml")
     files += [path for path in gains if path.stem.rpartition(f"_{job.ship}")[0]]
+    files += GAINS.glob(f"*_{job.ship}.{scenario.task}.toml")  # those of the task
     measure = job.measure or TASKS[scenario.task].headline
     return headroom.inputs_of(scenario, measure, job.controllers, files)
 

@@ -17,6 +17,7 @@ from ship_gym.scenarios import load_scenario
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.base import DIVERGED, RUNNING
 from ship_gym.tasks.columns import observation_columns
+from ship_gym.tasks.course.kernels import OVERSHOOT_LIMIT
 from ship_gym.tasks.heading.kernels import HEADING_LIMIT
 from ship_gym.tasks.track.kernels import ARRIVED, STRAYED, TRACK_LIMIT
 
@@ -156,17 +157,21 @@ def test_classical_autopilots_complete_every_scenario(name):
     """On a random track in sea state 6 (wind to 22 m/s) one ship in twenty may be driven off.
 
     Tracks are sailed to their end; where keeping the corridor is not the difficulty itself, it is
-    kept nine times in ten. Without an integral a narrow one is missed.
+    kept nine times in ten. Without an integral a narrow one is missed. In the highest of its seas a
+    ship at constant rpm is late for the deadline of track_economy. The limit of course_overshoot is
+    the difficulty itself: no other failure is allowed there.
     """
     seeds = tuning_seeds(32)
     if TASKS[load_scenario(name).task].controllers[0] == "ilos":
         for controller in (ILOS(),) if name == "track_corridor" else (LOSPID(), ILOS()):
             outcomes = outcome(controller, name, seeds)[0]
             at_end = np.isin(outcomes, (STRAYED, ARRIVED)).mean()
-            assert at_end >= (0.95 if name == "track_following" else 1.0)
+            assert at_end >= (0.95 if name in ("track_following", "track_economy") else 1.0)
             assert name in HARD_TRACKS or (outcomes == ARRIVED).mean() >= 0.9
     else:
-        assert (outcome(PID(), name, seeds)[0] == RUNNING).all()
+        allowed = (RUNNING, OVERSHOOT_LIMIT) if name == "course_overshoot" else (RUNNING,)
+        outcomes = outcome(PID(), name, seeds)[0]
+        assert np.isin(outcomes, allowed).all() and (outcomes == RUNNING).mean() > 0.5
 
 
 @pytest.mark.slow
