@@ -11,9 +11,8 @@ from ship_gym_agents.los import ILOS
 from ship_gym_agents.pid import PID, Gains, gains_of
 from ship_gym_agents.reference import Guidance
 
-from ship_gym import load_ship
+from ship_gym import load_scenario, load_ship
 from ship_gym.config import ConfigError
-from ship_gym.envs.env import resolved_scenario
 from ship_gym.evaluation.comparison import per_episode
 from ship_gym.evaluation.rollout import rollout
 from ship_gym.evaluation.splits import evaluation_seeds, split_of
@@ -102,8 +101,7 @@ def two_tasks(monkeypatch, tmp_path):
 
 
 def reset(controller, task, ship="kcs"):
-    scenario = resolved_scenario(task, ship=ship)[0]
-    controller.reset(1, load_ship(ship), scenario)
+    controller.reset(1, load_ship(ship), dataclasses.replace(load_scenario(task), ship=ship))
     return controller
 
 

@@ -72,7 +72,8 @@ def test_gains_of_courses_go_beside_those_of_headings(cli, checkout):
     pytest.importorskip("optuna")
     before = (checkout / "pid_kcs.toml").read_bytes()
     options = ["--ship", "kcs", "--scenario", "course_changing", "--structure", "turn"]
-    code, out, err = cli("tune", *options, *SMALL, "--set", "duration=60")
+    options += [*SMALL[:-1], "duration=60"]
+    code, out, err = cli("tune", *options)
     assert code == 0, err
     made = checkout / "pid_kcs.course_changing.toml"
     assert f"wrote {made}" in out and "against pid_kcs.toml" in out
@@ -80,7 +81,7 @@ def test_gains_of_courses_go_beside_those_of_headings(cli, checkout):
     assert (checkout / "pid_kcs.toml").read_bytes() == before
     found = tomllib.loads(made.read_text())
     assert found["task"] == "course_changing" and "settling time" in found["tuning"]["objective"]
-    out = cli("tune", *options, *SMALL, "--set", "duration=60", "--resume")[1]
+    out = cli("tune", *options, "--resume")[1]
     assert "pid for kcs: tuned already" in out
 
 

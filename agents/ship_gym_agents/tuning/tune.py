@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known
+from ship_gym.config import check_known
 from ship_gym.evaluation.comparison import per_episode
 from ship_gym.evaluation.rollout import begin, rollout, tuning_seeds
 from ship_gym.evaluation.statistics import Estimate, estimate
