@@ -100,6 +100,11 @@ class Autopilot:
         """What stands beside results: kind of controller and where its gains are from."""
         return {"kind": "classical", "gains": self._source}
 
+    @property
+    def gains_given(self) -> bool:
+        """Whether the same gains steer in every task and ship."""
+        return self.lent_by is None and self.gains is not None
+
     @classmethod
     def gains_for(cls, ship: Ship, task: str | None = None) -> Any:
         """The tuned gains of a ship (and task), else those that tuning would begin at."""
@@ -107,7 +112,7 @@ class Autopilot:
         return cls.first_gains(ship) if found is None else found.gains
 
     def _gains_for(self, ship: Ship, task: str) -> Any:
-        if self.lent_by is None and self.gains is not None:
+        if self.gains_given:
             self._source = "given"
             return self.gains
         ship = self.lent_by or ship

@@ -110,10 +110,15 @@ def find_gains(ship: str, kind: str = "pid", task: str | None = None) -> Path | 
     return next((path for path in files if path.is_file()), None)
 
 
+def tuned_files(kind: str = "pid") -> list[Path]:
+    """All files of tuned gains of a kind, general ones and those of tasks."""
+    return sorted(p for folder in (GAINS, own_gains()) for p in folder.glob(f"{kind}_*.toml"))
+
+
 def tuned_ships(kind: str = "pid") -> list[str]:
     """Names of the ships with tuned gains in general."""
-    files = [p for folder in (GAINS, own_gains()) for p in folder.glob(f"{kind}_*.toml")]
-    return sorted({p.stem.removeprefix(f"{kind}_") for p in files if task_of(p) is None})
+    general = [path for path in tuned_files(kind) if task_of(path) is None]
+    return sorted({path.stem.removeprefix(f"{kind}_") for path in general})
 
 
 def gains_type(controller: type) -> type:

@@ -109,7 +109,7 @@ def test_gains_of_a_task_steer_that_task_only(two_tasks):
     pid, name = PID(), "pid_kcs.course_changing.toml"
     assert reset(pid, "course_changing")._g.K_p == 4.5 and pid.about()["gains"] == name
     assert reset(pid, "heading_keeping")._g.K_p == 1.5 and pid.about()["gains"] == "pid_kcs.toml"
-    assert entrant("pid").about["gains"] == "of the ship"  # known once an episode has begun
+    assert list(entrant("pid").about["gains_files"]) == [name, "pid_kcs.toml"]
     assert PID.gains_for(load_ship("kcs"), "course_changing").K_p == 4.5
     assert gains_of(load_ship("kcs")).K_p == ILOS.first_gains(load_ship("kcs")).K_p == 1.5
     assert gains_files.tuned_ships() == ["kcs"]
@@ -123,6 +123,11 @@ def test_gains_lent_by_another_ship_are_of_the_task_too(two_tasks):
     assert reset(lent, "course_changing", "onrt")._g.K_p == 4.5
     assert lent.about()["gains"] == "pid_kcs.course_changing.toml"
     assert reset(lent, "heading_keeping", "onrt")._g.K_p == 1.5
+    write_gains(GainsFile("kcs_model", Gains(1.0, 1.0), {}, {}), two_tasks / "pid_kcs_model.toml")
+    files = entrant("pid@kcs").about["gains_files"]
+    assert list(files) == ["pid_kcs.course_changing.toml", "pid_kcs.toml"]
+    path = two_tasks / "pid_kcs.toml"
+    assert "gains_files" not in entrant(path).about and entrant(path).about["sha256"]
 
 
 def test_the_task_in_a_file_is_that_of_its_name(two_tasks):
