@@ -90,7 +90,7 @@ class LQG(Autopilot):
         "observer.bias_noise": (0.02, 20.0, 0.8),
         "observer.wave_frequency": (8.0, 30.0, 18.0),
         "observer.wave_noise": (1.0, 300.0, 30.0),
-        "yaw_rate": (0.0, 2.0, None),
+        "yaw_rate": (0.0, 0.5, None),
         "error_limit": (0.05, 4.0, None),
         **TUNED_TURN,
     }
