@@ -24,6 +24,7 @@ from ship_gym_agents.tuning.objective import Objective, episode_costs, objective
 from ship_gym_agents.tuning.ranges import (
     Range,
     at_bounds,
+    can_widen,
     has_leaf,
     leaf,
     ranges_of,
@@ -61,7 +62,7 @@ class Tuned:
     cost : float
         Mean objective on the validation episodes.
     at_bounds : dict
-        Gains that lie at a bound of their range, with that bound.
+        Gains that lie at a bound of their range and could be beyond it, with that bound.
     """
 
     structure: str
@@ -287,6 +288,7 @@ def _tune_one(job: _Job, size: Size, seeds: list[int], tick: Callable[[], None])
     rows = _sail(kind(best), validation, job.env)
     tick()
     judged, bounds = float(job.objective.of(rows).mean()), at_bounds(found, job.ranges)
+    bounds = {name: bounds[name] for name in can_widen(best, bounds, job.ranges)}
     return Tuned(job.structure, best, cost, judged, rows, bounds), found
 
 
