@@ -22,11 +22,19 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.columns import View
 from ship_gym_agents.gains_files import find_gains
 from ship_gym_agents.pid import PID, Gains, gains_of
+from ship_gym_agents.reference import TUNED_TURN
 from ship_gym_agents.rudder_effect import RudderEffect
 from ship_gym_agents.wave_filter import check_gains
 
 _BOUNDS = (0.5, 2.0)  # of the estimated a and k, by the nominal
 _HELMSMAN = ("K_p", "K_d", "K_v", "K_b")
+_ADAPTATION = {
+    "schedule": (0.0, 1.5, 1.0),
+    "learning": (0.0, 1.5, 1.0),
+    "memory": (5.0, 200.0, 30.0),
+    "filter_time": (0.1, 3.0, 0.5),
+    "trust": (1e-2, 100.0, 0.5),
+}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -75,11 +83,8 @@ class Adaptive(PID):
     needs = (*PID.needs, "surge", "propeller")
     TUNED: ClassVar = {
         **{f"pid.{name}": (*PID.TUNED[name][:2], None) for name in _HELMSMAN},
-        "schedule": (0.0, 1.5, 1.0),
-        "learning": (0.0, 1.5, 1.0),
-        "memory": (5.0, 200.0, 30.0),
-        "filter_time": (0.1, 3.0, 0.5),
-        "trust": (1e-2, 100.0, 0.5),
+        **{f"pid.{name}": PID.TUNED[name] for name in ("error_limit", *TUNED_TURN)},
+        **_ADAPTATION,
     }
 
     def __init__(self, gains: AdaptiveGains | None = None, name: str = "adaptive"):
@@ -92,18 +97,32 @@ class Adaptive(PID):
         return AdaptiveGains(tuned if tuned.observer is not None else PID.first_gains(ship))
 
     @classmethod
-    def gains_for(cls, ship: Ship) -> AdaptiveGains:
-        """The tuned gains of a ship, else those that tuning would begin at."""
-        return super(PID, cls).gains_for(ship)
+    def gains_for(cls, ship: Ship, task: str | None = None) -> AdaptiveGains:
+        """The tuned gains of a ship (and task), else those that tuning would begin at."""
+        return super(PID, cls).gains_for(ship, task)
 
     @classmethod
     def structures(cls, ship: Ship) -> dict[str, tuple[AdaptiveGains, tuple[str, ...]]]:
         """Scheduled only, then with the estimate too."""
         first = cls.first_gains(ship)
-        scheduled = (*(f"pid.{name}" for name in _HELMSMAN), "schedule")
+        feedback = tuple(f"pid.{name}" for name in _HELMSMAN)
         return {
-            "schedule": (dataclasses.replace(first, learning=0.0), scheduled),
-            "schedule and estimate": (first, tuple(cls.TUNED)),
+            "schedule": (dataclasses.replace(first, learning=0.0), (*feedback, "schedule")),
+            "schedule and estimate": (first, (*feedback, *_ADAPTATION)),
+        }
+
+    @classmethod
+    def course_structures(cls, ship: Ship) -> dict[str, tuple[AdaptiveGains, tuple[str, ...]]]:
+        """Those of the PID around the adaptation that there is."""
+        gains = Adaptive.gains_for(ship)
+        return {
+            name: (
+                dataclasses.replace(
+                    gains, pid=dataclasses.replace(gains.pid, reference=made.reference)
+                ),
+                (*(f"pid.{one}" for one in free), "schedule"),
+            )
+            for name, (made, free) in PID.course_structures(ship).items()
         }
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
@@ -116,8 +135,8 @@ class Adaptive(PID):
         )
         self._effect = np.ones(count)
 
-    def _gains_for(self, ship: Ship) -> Gains:
-        self._a = super(PID, self)._gains_for(ship)
+    def _gains_for(self, ship: Ship, task: str) -> Gains:
+        self._a = super(PID, self)._gains_for(ship, task)
         return self._a.pid
 
     def _felt(self, seen: View, delta: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from ship_gym.evaluation.controller import ConstantController
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.columns import View, action_columns, observation_columns
-from ship_gym_agents.gains_files import find_gains, load_gains
+from ship_gym_agents.gains_files import find_gains, find_tuned
 from ship_gym_agents.reference import OrderWatch, ReferenceModel
 
 
@@ -27,7 +27,8 @@ class Autopilot:
     ----------
     gains : dataclass, optional
         With `wave_filter`, `observer` and `reference`, each of which may be None. If omitted, the
-        tuned gains of the ship, or those that tuning would begin at where there are none.
+        tuned gains of the ship, for the task if it has such, or those that tuning would begin at
+        where there are none.
     name : str
 
     Attributes
@@ -36,6 +37,8 @@ class Autopilot:
         Name in files of gains.
     TUNED : dict
         Gain, by its dotted name, to lowest, highest and first value of a tuning.
+    lent_by : Ship or None
+        The ship whose tuned gains steer, whatever ship sails; None: her own or those given.
     """
 
     KIND: ClassVar[str]
@@ -44,6 +47,7 @@ class Autopilot:
 
     def __init__(self, gains: Any = None, name: str = ""):
         self.gains, self.name, self._source = gains, name or self.KIND, "of the ship"
+        self.lent_by: Ship | None = None
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
         """Forget everything; `count` episodes of `scenario` with `ship` begin together.
@@ -55,7 +59,7 @@ class Autopilot:
         """
         self._columns = observation_columns(scenario).require(self.needs, f"controller {self.name}")
         self._rudder_column = action_columns(scenario)["rudder"]
-        self._g = g = self._gains_for(ship)
+        self._g = g = self._gains_for(ship, scenario.task)
         self._limit = ship.gear.delta_max
         # control interval over L / U0
         self._step = scenario.control_interval / ship.time_unit * ship.speed / ship.hull.L
@@ -96,19 +100,25 @@ class Autopilot:
         """What stands beside results: kind of controller and where its gains are from."""
         return {"kind": "classical", "gains": self._source}
 
-    @classmethod
-    def gains_for(cls, ship: Ship) -> Any:
-        """The tuned gains of a ship, else those that tuning would begin at."""
-        path = find_gains(ship.name, cls.KIND)
-        return cls.first_gains(ship) if path is None else load_gains(path, cls).gains
+    @property
+    def gains_given(self) -> bool:
+        """Whether the same gains steer in every task and ship."""
+        return self.lent_by is None and self.gains is not None
 
-    def _gains_for(self, ship: Ship) -> Any:
-        if self.gains is not None:
+    @classmethod
+    def gains_for(cls, ship: Ship, task: str | None = None) -> Any:
+        """The tuned gains of a ship (and task), else those that tuning would begin at."""
+        found = find_tuned(ship, cls, task)
+        return cls.first_gains(ship) if found is None else found.gains
+
+    def _gains_for(self, ship: Ship, task: str) -> Any:
+        if self.gains_given:
             self._source = "given"
             return self.gains
-        path = find_gains(ship.name, self.KIND)
+        ship = self.lent_by or ship
+        path = find_gains(ship.name, self.KIND, task)
         self._source = "first gains, not tuned" if path is None else path.name
-        return self.gains_for(ship)
+        return self.gains_for(ship, task)
 
     def _felt(self, seen: View, delta: np.ndarray) -> np.ndarray:
         """Rudder angle [rad] as the observer's ship would feel that achieved, shape (count,)."""

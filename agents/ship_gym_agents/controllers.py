@@ -14,6 +14,7 @@ from ship_gym.config import ConfigError, check_known
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.ships import load_ship
 from ship_gym_agents.adaptive import Adaptive
+from ship_gym_agents.autopilot import Autopilot
 from ship_gym_agents.bang_bang import BangBang
 from ship_gym_agents.drift_los import DriftLOS
 from ship_gym_agents.gains_files import kind_of, load_gains, tuned_file
@@ -107,7 +108,10 @@ def _with_gains_of(name: str, ship: str) -> Controller:
     foreign = load_ship(ship)
     gains_for = getattr(found, "gains_for", None)  # a controller of one's own may have none
     gains = gains_for(foreign) if gains_for else tuned_file(foreign, found).gains
-    return found(gains, name=f"{name}@{ship}")
+    made = found(gains, name=f"{name}@{ship}")
+    if isinstance(made, Autopilot):
+        made.lent_by = foreign  # those of the task that is sailed, as for a ship of its own
+    return made
 
 
 def trained_for(controller: Controller) -> dict[str, Any]:

@@ -11,7 +11,9 @@ from ship_gym.evaluation.controller import Controller
 from ship_gym.evaluation.unit import Entrant
 from ship_gym.own_files import split
 from ship_gym.provenance import sha256
+from ship_gym_agents.autopilot import Autopilot
 from ship_gym_agents.controllers import PRETRAINED, make_controller
+from ship_gym_agents.gains_files import tuned_files
 
 
 def entrant(named: str | Path) -> Entrant:
@@ -26,6 +28,7 @@ def entrant(named: str | Path) -> Entrant:
     made = make_controller(text)
     file = _file(text)
     about = {} if file is None else {"file": file.name, "sha256": sha256(file)}
+    about |= _gains(made)
     kind = "policy" if hasattr(made, "card") else "own" if split(text) else "classical"
     if kind == "policy":
         about |= {"trained": trained(made.card)}
@@ -49,6 +52,18 @@ def _file(text: str) -> Path | None:
     shipped = PRETRAINED / f"{text}.zip"
     found = [path for path in (shipped, file / POLICY_FILE, file) if path.is_file()]
     return found[0] if found else None
+
+
+def _gains(controller: Controller) -> dict[str, Any]:
+    """Files of tuned gains that ship and task choose from, with the beginning of their SHA-256."""
+    if not isinstance(controller, Autopilot) or controller.gains_given:
+        return {}
+    lent, kind = controller.lent_by, controller.KIND
+    files = {path.name: path for path in reversed(tuned_files(kind))}
+    if lent is not None:
+        own = f"{kind}_{lent.name}."
+        files = {name: path for name, path in files.items() if name.startswith(own)}
+    return {"gains_files": {name: sha256(files[name])[:12] for name in sorted(files)}}
 
 
 def _told(controller: Controller) -> dict[str, Any]:

@@ -1,5 +1,8 @@
 """Files of tuned gains, one for each kind of controller and ship: ``gains/<kind>_<ship>.toml``.
 
+Beside it there may be one of a task, ``gains/<kind>_<ship>.<task>.toml``, with the key ``task``; a
+controller that sails this task takes it, for all others the one without a task is meant.
+
 A controller with gains has a class attribute `KIND`, its name in files, and a class method
 ``first_gains(ship) -> GainsOfIt``, whose annotation says what its gains are; its first argument is
 such gains. A file without the key ``controller`` is of a ``pid``.
@@ -17,6 +20,7 @@ from typing import Any
 from ship_gym.config import ConfigError, build, read_toml
 from ship_gym.provenance import atomic_path
 from ship_gym.ships.particulars import Ship
+from ship_gym.tasks import TASKS
 
 GAINS = Path(__file__).parent / "gains"
 
@@ -36,6 +40,8 @@ class GainsFile:
     versions : dict
     controller : str
         Kind, or ``file.py:Class`` of one's own.
+    task : str, optional
+        The only task that they are for; None: the gains of the ship in general.
     """
 
     ship: str
@@ -43,6 +49,7 @@ class GainsFile:
     tuning: dict[str, Any]
     versions: dict[str, str]
     controller: str = "pid"
+    task: str | None = None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,11 +61,18 @@ class _Raw:
     tuning: dict[str, Any]
     versions: dict[str, str]
     controller: str = "pid"
+    task: str | None = None
 
 
-def gains_path(ship: str, kind: str = "pid") -> Path:
-    """File of the tuned gains of a ship of the package."""
-    return GAINS / f"{kind}_{ship}.toml"
+def gains_path(ship: str, kind: str = "pid", task: str | None = None) -> Path:
+    """File of the tuned gains of a ship of the package, in general or of a task."""
+    return GAINS / (f"{kind}_{ship}.toml" if task is None else f"{kind}_{ship}.{task}.toml")
+
+
+def task_of(path: str | Path) -> str | None:
+    """The task in the name of a file of gains; None if it names none."""
+    last = Path(path).stem.rpartition(".")[2]
+    return last if last in TASKS and last != Path(path).stem else None
 
 
 def own_gains() -> Path:
@@ -67,7 +81,7 @@ def own_gains() -> Path:
     return Path(data) / "ship_gym" / "gains"
 
 
-def place_for_gains(ship: str, kind: str = "pid") -> Path:
+def place_for_gains(ship: str, kind: str = "pid", task: str | None = None) -> Path:
     """Where newly tuned gains of a ship belong: the package of a checkout, else `own_gains`.
 
     Raises
@@ -75,10 +89,10 @@ def place_for_gains(ship: str, kind: str = "pid") -> Path:
     ConfigError
         An installed package has gains of this ship: what `kind` means there stays the same.
     """
-    path = gains_path(ship, kind)
+    path = gains_path(ship, kind, task)
     if (GAINS.parents[2] / "pyproject.toml").is_file():
         return path
-    if path.is_file():
+    if path.is_file() or gains_path(ship, kind).is_file():
         raise ConfigError(
             f"ship {ship!r} comes with {kind} gains in the installed package; name a file for "
             f"yours: --out runs/{path.name}"
@@ -86,16 +100,25 @@ def place_for_gains(ship: str, kind: str = "pid") -> Path:
     return own_gains() / path.name
 
 
-def find_gains(ship: str, kind: str = "pid") -> Path | None:
-    """File of the tuned gains of a ship, of the package or a user's own; None if there is none."""
-    path = gains_path(ship, kind)
-    return next((p for p in (path, own_gains() / path.name) if p.is_file()), None)
+def find_gains(ship: str, kind: str = "pid", task: str | None = None) -> Path | None:
+    """File of the tuned gains of a ship, of the package or a user's own; None if there is none.
+
+    In each folder that of the task comes before the general one.
+    """
+    names = [gains_path(ship, kind, one).name for one in dict.fromkeys((task, None))]
+    files = (folder / name for folder in (GAINS, own_gains()) for name in names)
+    return next((path for path in files if path.is_file()), None)
+
+
+def tuned_files(kind: str = "pid") -> list[Path]:
+    """All files of tuned gains of a kind, general ones and those of tasks."""
+    return sorted(p for folder in (GAINS, own_gains()) for p in folder.glob(f"{kind}_*.toml"))
 
 
 def tuned_ships(kind: str = "pid") -> list[str]:
-    """Names of the ships with tuned gains."""
-    files = [p for folder in (GAINS, own_gains()) for p in folder.glob(f"{kind}_*.toml")]
-    return sorted({path.stem.removeprefix(f"{kind}_") for path in files})
+    """Names of the ships with tuned gains in general."""
+    general = [path for path in tuned_files(kind) if task_of(path) is None]
+    return sorted({path.stem.removeprefix(f"{kind}_") for path in general})
 
 
 def gains_type(controller: type) -> type:
@@ -119,28 +142,45 @@ def load_gains(path: str | Path, controller: type) -> GainsFile:
     """
     raw = build(_Raw, read_toml(path), str(path))
     gains = build(gains_type(controller), raw.gains, f"{path}.gains")
-    return GainsFile(raw.ship, gains, raw.tuning, raw.versions, raw.controller)
+    return GainsFile(raw.ship, gains, raw.tuning, raw.versions, raw.controller, raw.task)
 
 
-def tuned_file(ship: Ship, controller: type) -> GainsFile:
-    """File of the tuned gains of a ship, or a ConfigError that says how to tune them."""
-    kind = controller.KIND
-    path = find_gains(ship.name, kind)
+def find_tuned(ship: Ship, controller: type, task: str | None = None) -> GainsFile | None:
+    """The tuned gains that `find_gains` finds; None if there are none.
+
+    Raises
+    ------
+    ConfigError
+        A wrong file, or one that is of another task than its name says.
+    """
+    path = find_gains(ship.name, controller.KIND, task)
     if path is None:
+        return None
+    found, named = load_gains(path, controller), task_of(path)
+    if found.task != named:
+        allowed = "no such key" if named is None else repr(named)
+        raise ConfigError(f"{path}.task = {found.task!r}: by the file's name allowed is {allowed}")
+    return found
+
+
+def tuned_file(ship: Ship, controller: type, task: str | None = None) -> GainsFile:
+    """File of the tuned gains of a ship, or a ConfigError that says how to tune them."""
+    found, kind = find_tuned(ship, controller, task), controller.KIND
+    if found is None:
         option = "" if kind == "pid" else f"--controllers {kind} "
         raise ConfigError(
             f"no {kind} gains for ship {ship.name!r} (tuned: {', '.join(tuned_ships(kind))}); "
             f"tune them with: ship-gym tune {option}--ship NAME_OR_FILE --out mine.toml, then take "
             "the controller 'mine.toml', in Python make_controller('mine.toml')"
         )
-    return load_gains(path, controller)
+    return found
 
 
 def write_gains(found: GainsFile, path: str | Path | None = None) -> Path:
     """Write a file of gains, by default to `place_for_gains`, where the controller finds them."""
-    path = place_for_gains(found.ship, found.controller) if path is None else Path(path)
-    data = _given(dataclasses.asdict(found))
-    head = {key: data.pop(key) for key in ("controller", "ship")}
+    place = place_for_gains(found.ship, found.controller, found.task) if path is None else path
+    path, data = Path(place), _given(dataclasses.asdict(found))
+    head = {key: data.pop(key) for key in ("controller", "ship", "task") if key in data}
     lines = ["# Gains of a controller; written by ship-gym tune", *_toml({**head, **data})]
     with atomic_path(path) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -60,11 +60,11 @@ class LOSPID(PID):
         return dataclasses.replace(gains, reference=gains.reference or _TURNS, guidance=Guidance())
 
     @classmethod
-    def gains_for(cls, ship: Ship) -> Gains:
+    def gains_for(cls, ship: Ship, task: str | None = None) -> Gains:
         """The gains of this guidance tuned for a ship, else those to begin at."""
-        if find_gains(ship.name, cls.KIND) is None:
+        if find_gains(ship.name, cls.KIND, task) is None:
             return cls.first_gains(ship)
-        return super().gains_for(ship)
+        return super().gains_for(ship, task)
 
     @classmethod
     def structures(cls, ship: Ship) -> dict[str, tuple[Gains, tuple[str, ...]]]:
@@ -80,8 +80,8 @@ class LOSPID(PID):
     def __init__(self, gains: Gains | None = None, name: str = "los_pid"):
         super().__init__(gains, name)
 
-    def _gains_for(self, ship: Ship) -> Gains:
-        gains = super()._gains_for(ship)
+    def _gains_for(self, ship: Ship, task: str) -> Gains:
+        gains = super()._gains_for(ship, task)
         return dataclasses.replace(gains, reference=gains.reference or _TURNS)
 
     def _wanted(self, seen: View, jump: np.ndarray) -> np.ndarray:

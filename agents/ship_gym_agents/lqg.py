@@ -20,7 +20,7 @@ from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.columns import View
 from ship_gym_agents.autopilot import Autopilot, wrapped
-from ship_gym_agents.reference import Reference
+from ship_gym_agents.reference import TUNED_TURN, TURN, Reference
 from ship_gym_agents.rudder_effect import NEEDS, RudderEffect
 from ship_gym_agents.wave_filter import Observer, check_gains
 
@@ -90,6 +90,9 @@ class LQG(Autopilot):
         "observer.bias_noise": (0.02, 20.0, 0.8),
         "observer.wave_frequency": (8.0, 30.0, 18.0),
         "observer.wave_noise": (1.0, 300.0, 30.0),
+        "yaw_rate": (0.0, 0.5, None),
+        "error_limit": (0.05, 4.0, None),
+        **TUNED_TURN,
     }
 
     def __init__(self, gains: LQGGains | None = None, name: str = "lqg"):
@@ -99,6 +102,28 @@ class LQG(Autopilot):
     def first_gains(cls, ship: Ship) -> LQGGains:
         """Weights of J_0.1, a filter with waves on the linearised ship."""
         return LQGGains(Observer.first(ship, waves=True))
+
+    @classmethod
+    def structures(cls, ship: Ship) -> dict[str, tuple[LQGGains, tuple[str, ...]]]:
+        """One, for headings: weights and filter."""
+        turning = ("yaw_rate", "error_limit", *TUNED_TURN)
+        return {"": (cls.first_gains(ship), tuple(n for n in cls.TUNED if n not in turning))}
+
+    @classmethod
+    def course_structures(cls, ship: Ship) -> dict[str, tuple[LQGGains, tuple[str, ...]]]:
+        """For changes of the order: the gains of headings, which turn by themselves or by a model.
+
+        The filter stays as it is.
+        """
+        gains = cls.gains_for(ship)
+        free = ("rudder", "rate", "K_b", "schedule", "yaw_rate", "error_limit")
+        return {
+            "turn": (dataclasses.replace(gains, reference=None), free),
+            "turn by a reference model": (
+                dataclasses.replace(gains, reference=gains.reference or TURN),
+                (*free, *TUNED_TURN),
+            ),
+        }
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
         """Design filter and regulator; `count` episodes of `scenario` begin together."""

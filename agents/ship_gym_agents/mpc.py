@@ -112,6 +112,8 @@ class MPC(Autopilot):
 
     KIND = "mpc"
     needs = (*Autopilot.needs, *NEEDS)
+    # one file has the gains of both: neither gets one of its own
+    GENERAL: ClassVar[tuple[str, ...]] = ("heading_keeping", "track_following")
     TUNED: ClassVar = {
         "rudder": (0.01, 2.0, 0.1),
         "rate": (1e-6, 1e-2, 2e-5),

@@ -19,7 +19,7 @@ from ship_gym.tasks.columns import View
 from ship_gym_agents import gains_files
 from ship_gym_agents.autopilot import Autopilot, wrapped
 from ship_gym_agents.gains_files import GainsFile
-from ship_gym_agents.reference import Guidance, Reference
+from ship_gym_agents.reference import TUNED_TURN, TURN, Guidance, Reference
 from ship_gym_agents.wave_filter import LowPass, Observer, check_gains, identify
 
 _FEEDBACK = ("K_p", "K_d", "K_v")
@@ -125,6 +125,8 @@ class PID(Autopilot):
         "observer.bias_noise": (0.02, 20.0, 0.8),
         "observer.wave_frequency": (8.0, 30.0, 18.0),
         "observer.wave_noise": (1.0, 300.0, 30.0),
+        "error_limit": (0.05, 4.0, None),
+        **TUNED_TURN,
     }
 
     @classmethod
@@ -135,9 +137,9 @@ class PID(Autopilot):
         return Gains(**feedback, observer=Observer(identify(ship), **_ERRORS, **start))
 
     @classmethod
-    def gains_for(cls, ship: Ship) -> Gains:
+    def gains_for(cls, ship: Ship, task: str | None = None) -> Gains:
         """The tuned gains of a ship; without any, a ConfigError that says how to tune them."""
-        return gains_files.tuned_file(ship, cls).gains
+        return gains_files.tuned_file(ship, cls, task).gains
 
     @classmethod
     def structures(cls, ship: Ship) -> dict[str, tuple[Gains, tuple[str, ...]]]:
@@ -152,6 +154,24 @@ class PID(Autopilot):
             "PID + sway, low-pass": (filtered, low_pass),
             "PD + sway, observer": (observed, _OBSERVER),
             "PD + sway, observer with waves": (observed, with_waves),
+        }
+
+    @classmethod
+    def course_structures(cls, ship: Ship) -> dict[str, tuple[Gains, tuple[str, ...]]]:
+        """For changes of the order: the gains of headings, which turn by themselves or by a model.
+
+        The filter stays as it is.
+        """
+        path = gains_files.find_gains(ship.name)
+        gains = cls.first_gains(ship) if path is None else load_gains(path).gains
+        feedback = (*_FEEDBACK, "K_b") if gains.observer is not None else _FEEDBACK
+        free = (*feedback, "error_limit")
+        return {
+            "turn": (dataclasses.replace(gains, reference=None), free),
+            "turn by a reference model": (
+                dataclasses.replace(gains, reference=gains.reference or TURN),
+                (*free, *TUNED_TURN),
+            ),
         }
 
     def __init__(self, gains: Gains | None = None, name: str = "pid"):

@@ -74,6 +74,15 @@ class Reference:
                 raise ConfigError(f"reference.{field.name} = {value}: must be positive")
 
 
+# where a tuning of turns begins and what it searches
+TURN = Reference(frequency=5.0, rate_limit=1.0, acceleration_limit=1.5)
+TUNED_TURN = {
+    "reference.frequency": (0.8, 30.0, TURN.frequency),
+    "reference.rate_limit": (0.05, 5.0, TURN.rate_limit),
+    "reference.acceleration_limit": (0.05, 20.0, TURN.acceleration_limit),
+}
+
+
 class ReferenceModel:
     """Heading and yaw rate that lead from where the ship is to what is wanted.
 

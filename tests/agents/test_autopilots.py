@@ -11,6 +11,7 @@ from ship_gym_agents.gains_files import gains_type
 from ship_gym_agents.lqg import LQG
 from ship_gym_agents.mpc import MPC
 from ship_gym_agents.tuning.ranges import ranges_of, with_leaves
+from ship_gym_agents.tuning.structures import structures_of
 
 from ship_gym import load_scenario, load_ship
 from ship_gym.conventions import PSI
@@ -132,5 +133,10 @@ def test_they_are_found_by_name_and_say_what_they_are(kind):
     assert made.about()["kind"] == "classical"
     gains = made.first_gains(load_ship("kcs"))
     assert isinstance(gains, gains_type(EVERYONE[kind]))
-    ranges = ranges_of(EVERYONE[kind], gains, tuple(made.TUNED))  # refuses a start outside
-    assert with_leaves(gains, {name: r.start for name, r in ranges.items()}) is not None
+    found = {}
+    for task in ("heading_keeping", "course_changing"):
+        for gains, free in structures_of(EVERYONE[kind], load_ship("kcs"), task).values():
+            ranges = ranges_of(EVERYONE[kind], gains, free)  # refuses a start outside
+            assert with_leaves(gains, {name: r.start for name, r in ranges.items()}) is not None
+            found |= ranges
+    assert found.keys() == made.TUNED.keys()  # every range serves a structure

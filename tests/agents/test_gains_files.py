@@ -5,12 +5,13 @@ import pytest
 from ship_gym_agents import gains_files, make_controller
 from ship_gym_agents.controllers import controller_class
 from ship_gym_agents.drift_los import DriftLOS
+from ship_gym_agents.entrants import entrant
 from ship_gym_agents.gains_files import GainsFile, gains_type, kind_of, load_gains, write_gains
 from ship_gym_agents.los import ILOS
 from ship_gym_agents.pid import PID, Gains, gains_of
 from ship_gym_agents.reference import Guidance
 
-from ship_gym import load_ship
+from ship_gym import load_scenario, load_ship
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.comparison import per_episode
 from ship_gym.evaluation.rollout import rollout
@@ -88,6 +89,71 @@ def test_a_guidance_without_gains_of_its_own_takes_the_pid_s(monkeypatch, tmp_pa
     assert gains_files.tuned_ships("ilos") == ["stranger"]
 
 
+@pytest.fixture
+def two_tasks(monkeypatch, tmp_path):
+    """A package with general gains and gains of courses of the PID of kcs."""
+    monkeypatch.setattr(gains_files, "GAINS", tmp_path)
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    for task, K_p in ((None, 1.5), ("course_changing", 4.5)):
+        path = gains_files.gains_path("kcs", "pid", task)
+        write_gains(GainsFile("kcs", Gains(K_p, 0.5), {}, {}, task=task), path)
+    return tmp_path
+
+
+def reset(controller, task, ship="kcs"):
+    controller.reset(1, load_ship(ship), dataclasses.replace(load_scenario(task), ship=ship))
+    return controller
+
+
+def test_gains_of_a_task_steer_that_task_only(two_tasks):
+    pid, name = PID(), "pid_kcs.course_changing.toml"
+    assert reset(pid, "course_changing")._g.K_p == 4.5 and pid.about()["gains"] == name
+    assert reset(pid, "heading_keeping")._g.K_p == 1.5 and pid.about()["gains"] == "pid_kcs.toml"
+    assert list(entrant("pid").about["gains_files"]) == [name, "pid_kcs.toml"]
+    assert PID.gains_for(load_ship("kcs"), "course_changing").K_p == 4.5
+    assert gains_of(load_ship("kcs")).K_p == ILOS.first_gains(load_ship("kcs")).K_p == 1.5
+    assert gains_files.tuned_ships() == ["kcs"]
+    assert gains_files.find_gains("kcs", task="track_following").name == "pid_kcs.toml"
+    given = PID(Gains(9.0, 0.0))
+    assert reset(given, "course_changing")._g.K_p == 9.0 and given.about()["gains"] == "given"
+
+
+def test_gains_lent_by_another_ship_are_of_the_task_too(two_tasks):
+    lent = make_controller("pid@kcs")
+    assert reset(lent, "course_changing", "onrt")._g.K_p == 4.5
+    assert lent.about()["gains"] == "pid_kcs.course_changing.toml"
+    assert reset(lent, "heading_keeping", "onrt")._g.K_p == 1.5
+    write_gains(GainsFile("kcs_model", Gains(1.0, 1.0), {}, {}), two_tasks / "pid_kcs_model.toml")
+    files = entrant("pid@kcs").about["gains_files"]
+    assert list(files) == ["pid_kcs.course_changing.toml", "pid_kcs.toml"]
+    path = two_tasks / "pid_kcs.toml"
+    assert "gains_files" not in entrant(path).about and entrant(path).about["sha256"]
+
+
+def test_the_task_in_a_file_is_that_of_its_name(two_tasks):
+    path = two_tasks / "pid_kcs.course_changing.toml"
+    text = path.read_text()
+    assert 'task = "course_changing"' in text and load_gains(path, PID).task == "course_changing"
+    assert make_controller(path).gains.K_p == 4.5
+    path.write_text(text.replace('task = "course_changing"\n', ""))
+    with pytest.raises(ConfigError, match=r"task = None: .* allowed is 'course_changing'"):
+        reset(PID(), "course_changing")
+    (two_tasks / "pid_kcs.toml").write_text(text)
+    with pytest.raises(ConfigError, match=r"task = 'course_changing': .* allowed is no such key"):
+        gains_of(load_ship("kcs"))
+
+
+def test_a_user_s_gains_of_a_task_do_not_change_a_ship_of_the_package(two_tasks):
+    """An installed package keeps its meaning: a ship's gains are all from one place."""
+    write_gains(GainsFile("kcs", Gains(9.0, 0.5), {}, {}, task="track_following"),
+                gains_files.own_gains() / "pid_kcs.track_following.toml")  # fmt: skip
+    assert gains_files.find_gains("kcs", task="track_following") == two_tasks / "pid_kcs.toml"
+    with pytest.raises(ConfigError, match="comes with pid gains in the installed package"):
+        gains_files.place_for_gains("kcs", "pid", "track_following")
+    own = gains_files.place_for_gains("mine", "pid", "course_changing")
+    assert own == gains_files.own_gains() / "pid_mine.course_changing.toml"
+
+
 def test_a_kind_without_gains_says_how_to_tune():
     stranger = dataclasses.replace(load_ship("kcs"), name="stranger")
     with pytest.raises(ConfigError, match=r"no ilos gains.*tune --controllers ilos --ship"):
@@ -106,7 +172,7 @@ def test_numbers_of_numpy_are_refused(tmp_path):
 def test_gains_of_the_package_say_where_they_are_from(path):
     """Tuned on tuning seeds, named after controller and ship, no gain at a bound of its range."""
     found = load_gains(path, controller_class(kind_of(path)))
-    assert path.name == f"{found.controller}_{found.ship}.toml"
+    assert path == gains_files.gains_path(found.ship, found.controller, found.task)
     assert type(make_controller(path)).KIND == found.controller
     seeds = (*found.tuning["seeds_tuning"], *found.tuning["seeds_validation"])
     assert all(split_of(seed) == "tuning" for seed in seeds)

@@ -68,6 +68,23 @@ def test_controllers_are_tuned_in_turn_and_resumed(cli, checkout):
     assert "pid for kcs: tuned already" in out and "ilos for kcs: tuned already" in out
 
 
+def test_gains_of_courses_go_beside_those_of_headings(cli, checkout):
+    pytest.importorskip("optuna")
+    before = (checkout / "pid_kcs.toml").read_bytes()
+    options = ["--ship", "kcs", "--scenario", "course_changing", "--structure", "turn"]
+    options += [*SMALL[:-1], "duration=60"]
+    code, out, err = cli("tune", *options)
+    assert code == 0, err
+    made = checkout / "pid_kcs.course_changing.toml"
+    assert f"wrote {made}" in out and "against pid_kcs.toml" in out
+    assert "settling_time" in out and "overshoot" in out and "J_0.1" in out
+    assert (checkout / "pid_kcs.toml").read_bytes() == before
+    found = tomllib.loads(made.read_text())
+    assert found["task"] == "course_changing" and "settling time" in found["tuning"]["objective"]
+    out = cli("tune", *options, "--resume")[1]
+    assert "pid for kcs: tuned already" in out
+
+
 def test_a_controller_of_ones_own(cli, tmp_path):
     """Tuned into a file that makes it; the range of its gain is too small, which is told."""
     pytest.importorskip("optuna")

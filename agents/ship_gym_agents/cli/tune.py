@@ -40,9 +40,13 @@ from ship_gym_agents.cli.values import Name, whole
 def command(as_json, controllers, ships, task, resume, out, structure, begin, **options) -> None:
     """Tune controllers for ships on seeds kept for tuning; say what it gained.
 
-    The search is CMA-ES, then Nelder-Mead. Headings are tuned for J_0.1, tracks for the rms
-    distance to the route; three times as many further tuning seeds choose the structure and say
-    what was gained, with its 95 % interval.
+    The search is CMA-ES, then Nelder-Mead. Headings are tuned for J_0.1, courses for the settling
+    time, tracks for the rms distance to the route; three times as many further tuning seeds choose
+    the structure and say what was gained, with its 95 % interval.
+
+    Gains of headings, of a guidance those of tracks, are the ship's in general. Those of another
+    task, as of --scenario course_changing, go beside them: NAME_SHIP.course_changing.toml, which
+    the controller takes where it sails that task.
 
     Without --out, a checkout gets the gains in its package; of an installed package, those of your
     own ship file go to your own folder ($XDG_DATA_HOME/ship_gym/gains, or ~/.local/share/...),
@@ -57,7 +61,7 @@ def command(as_json, controllers, ships, task, resume, out, structure, begin, **
 
     need_optuna()
     found = {}
-    for job in _jobs(list(controllers) or ["pid"], list(ships), out):
+    for job in _jobs(list(controllers) or ["pid"], list(ships), out, task, options):
         env, how, chosen = _settings(job, task, list(structure), options)
         if resume and is_tuned(job.kind, job.ship, how, job.path):
             lines = [f"{job.name} for {job.ship}: tuned already"]
@@ -82,13 +86,16 @@ class _Job(NamedTuple):
     path: Path
 
 
-def _jobs(controllers: list[str], ships: list[str], out: Path | None) -> list[_Job]:
+def _jobs(
+    controllers: list[str], ships: list[str], out: Path | None, task: str | None, options: dict
+) -> list[_Job]:
     """Everything to be done; refused now if a ship is none or a file has no place."""
     from ship_gym.config import ConfigError
     from ship_gym.ships.files import available_ships
     from ship_gym.ships.loader import load_ship
     from ship_gym_agents.controllers import CONTROLLERS, controller_class
     from ship_gym_agents.gains_files import place_for_gains
+    from ship_gym_agents.tuning.structures import own_task_of
 
     names = available_ships() if not ships or "all" in ships else ships
     if out and len(names) * len(controllers) > 1:
@@ -98,8 +105,9 @@ def _jobs(controllers: list[str], ships: list[str], out: Path | None) -> list[_J
         kind = controller_class(name)
         if name not in CONTROLLERS and not out:
             raise ConfigError(f"--controllers {name}: your own needs a file for its gains: --out")
+        of_task = own_task_of(kind, _sailed(kind, task, options)[1])
         for ship in names:
-            path = out or place_for_gains(load_ship(ship).name, kind.KIND)
+            path = out or place_for_gains(load_ship(ship).name, kind.KIND, of_task)
             made.append(_Job(name, kind, ship, path))
     return made
 
@@ -111,20 +119,27 @@ def _settings(job: _Job, task: str | None, wished: list[str], options: dict):
     """
     from ship_gym.config import check_known
     from ship_gym.ships.loader import load_ship
-    from ship_gym_agents.cli.sailing import own_task, resolved, wanted
     from ship_gym_agents.tuning import settings
-    from ship_gym_agents.tuning.tune import scenario_for, structures_of
+    from ship_gym_agents.tuning.structures import structures_of
 
-    own = own_task(task)
-    sailed = {key: options[key] for key in ("scenario", "control", "overrides")}
-    env = {"scenario": scenario_for(job.kind), **wanted(sailed, own)}
-    known = structures_of(job.kind, load_ship(job.ship))
+    env, about = _sailed(job.kind, task, options)
+    known = structures_of(job.kind, load_ship(job.ship), about)
     for one in wished:
         check_known("structure", one, known)
     chosen = wished or list(known)
     more = {key: env[key] for key in ("control", "overrides") if key in env}
-    about = resolved(env, own).task
     return env, settings(_size(options), env["scenario"], about, chosen, **more), chosen
+
+
+def _sailed(kind: type, task: str | None, options: dict) -> tuple[dict[str, Any], str]:
+    """Arguments of a rollout but the ship, and the task they are of."""
+    from ship_gym_agents.cli.sailing import own_task, resolved, wanted
+    from ship_gym_agents.tuning.structures import scenario_for
+
+    own = own_task(task)
+    sailed = {key: options[key] for key in ("scenario", "control", "overrides")}
+    env = {"scenario": scenario_for(kind), **wanted(sailed, own)}
+    return env, resolved(env, own).task
 
 
 def _size(options: dict) -> Any:

@@ -109,3 +109,17 @@ def at_bounds(values: Mapping[str, float], ranges: Mapping[str, Range]) -> dict[
         if share < _NEAR or share > 1.0 - _NEAR:
             found[name] = one.low if share < 0.5 else one.high
     return found
+
+
+def can_widen(gains: Any, bounds: Mapping[str, float], ranges: Mapping[str, Range]) -> list[str]:
+    """Which gains of `at_bounds` may lie beyond; the others the gains themselves refuse there."""
+    found = []
+    for name, bound in bounds.items():
+        low, high, _ = ranges[name]
+        beyond = _NEAR * (low if low > 0.0 else high - low)
+        try:
+            with_leaves(gains, {name: bound - beyond if bound == low else bound + beyond})
+        except ConfigError:
+            continue
+        found.append(name)
+    return found

@@ -77,7 +77,7 @@ def gains_file(found: Tuning, how: Mapping[str, Any]) -> GainsFile:
             for tuned in found.ranking
         },
     }
-    return GainsFile(found.ship, best.gains, tuning, _versions(), found.controller)
+    return GainsFile(found.ship, best.gains, tuning, _versions(), found.controller, found.task)
 
 
 def _interval(found: Estimate) -> list[float]:

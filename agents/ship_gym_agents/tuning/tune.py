@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known
+from ship_gym.config import check_known
 from ship_gym.evaluation.comparison import per_episode
 from ship_gym.evaluation.rollout import begin, rollout, tuning_seeds
 from ship_gym.evaluation.statistics import Estimate, estimate
@@ -24,16 +24,25 @@ from ship_gym_agents.tuning.objective import Objective, episode_costs, objective
 from ship_gym_agents.tuning.ranges import (
     Range,
     at_bounds,
+    can_widen,
     has_leaf,
     leaf,
     ranges_of,
     with_leaves,
 )
 from ship_gym_agents.tuning.search import Size, need_optuna, search
+from ship_gym_agents.tuning.structures import own_task_of, scenario_for, structures_of
 
 VALIDATION = 3  # times as many episodes to choose the structure as to tune its gains
 _REPORTED = ("J_0.1", "J_1", "J_steady", "rms_error", "rms_route", "rms_cross_track", "corridor")
-_REPORTED += ("voyage_time", "success", "rudder_travel", "rudder_reversals")
+_REPORTED += (
+    "settling_time",
+    "overshoot",
+    "voyage_time",
+    "success",
+    "rudder_travel",
+    "rudder_reversals",
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -53,7 +62,7 @@ class Tuned:
     cost : float
         Mean objective on the validation episodes.
     at_bounds : dict
-        Gains that lie at a bound of their range, with that bound.
+        Gains that lie at a bound of their range and could be beyond it, with that bound.
     """
 
     structure: str
@@ -93,7 +102,9 @@ class Tuning:
         interval; below zero is better. The structure was chosen on these episodes, so of several
         close ones it flatters a little.
     changed : dict
-        The same of the metric and of the rudder's travel.
+        The same of the metric, of those told beside it and of the rudder's travel.
+    task : str, optional
+        See `own_task_of`.
     """
 
     controller: str
@@ -105,35 +116,12 @@ class Tuning:
     cost_before: float
     gained: Estimate
     changed: dict[str, Estimate]
+    task: str | None = None
 
     @property
     def best(self) -> Tuned:
         """The winner."""
         return self.ranking[0]
-
-
-def structures_of(controller: type, ship: Ship) -> dict[str, tuple[Any, tuple[str, ...]]]:
-    """Structure -> gains to begin at and names of those that are free.
-
-    Raises
-    ------
-    ConfigError
-        The class cannot be tuned: it lacks a part of the protocol.
-    """
-    missing = [key for key in ("KIND", "TUNED", "first_gains") if not hasattr(controller, key)]
-    if missing:
-        raise ConfigError(
-            f"controller {controller.__name__} cannot be tuned: it has no {', no '.join(missing)}"
-        )
-    if hasattr(controller, "structures"):
-        return controller.structures(ship)
-    return {"": (controller.first_gains(ship), tuple(controller.TUNED))}
-
-
-def scenario_for(controller: type) -> str:
-    """The scenario that a controller is tuned in if none is named."""
-    on_track = "cross_track" in getattr(controller, "needs", ())
-    return "track_following" if on_track else "heading_keeping"
 
 
 def mean_costs(
@@ -204,14 +192,15 @@ def tune(
     size = size or Size()
     need_optuna()
     env = {"scenario": scenario_for(controller)} | env | {"ship": ship}
-    objective = objective_of(begin(tuning_seeds(1), **env).scenario.task)
-    known = structures_of(controller, load_ship(ship))
+    task = begin(tuning_seeds(1), **env).scenario.task
+    objective, known = objective_of(task), structures_of(controller, load_ship(ship), task)
     names = list(known if structures is None else structures)
     for structure in names:
         check_known("structure", structure, known)
     seeds = tuning_seeds((1 + VALIDATION) * size.episodes)
     tick = _ticker(progress, len(names) * (size.generations + bool(size.polish) + 1))
-    before, what = _read(find_gains(load_ship(ship).name, controller.KIND), controller)
+    of_task = own_task_of(controller, task)
+    before, what = _read(find_gains(load_ship(ship).name, controller.KIND, of_task), controller)
     begun, where = _read(begin_at, controller) if begin_at else (before, what)
     ranking, found = [], {}
     for structure in names:
@@ -235,8 +224,9 @@ def tune(
         gained=estimate(objective.of(new) - objective.of(old), np.mean),
         changed={
             key: estimate(np.subtract(new[key], old[key]), np.mean)
-            for key in (objective.name, "rudder_travel")
+            for key in (objective.name, *objective.beside, "rudder_travel")
         },
+        task=of_task,
     )
 
 
@@ -298,6 +288,7 @@ def _tune_one(job: _Job, size: Size, seeds: list[int], tick: Callable[[], None])
     rows = _sail(kind(best), validation, job.env)
     tick()
     judged, bounds = float(job.objective.of(rows).mean()), at_bounds(found, job.ranges)
+    bounds = {name: bounds[name] for name in can_widen(best, bounds, job.ranges)}
     return Tuned(job.structure, best, cost, judged, rows, bounds), found
 
 

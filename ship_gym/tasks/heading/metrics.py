@@ -88,15 +88,33 @@ def _step_response(trajectory: Trajectory) -> dict[str, float]:
 
     The order that holds at first is a step only if it is the only one.
     """
-    config = trajectory.meta["config"]
-    time = full_scale_time(trajectory)
+    config, time = trajectory.meta["config"], full_scale_time(trajectory)
     error = np.degrees(trajectory["psi_error"])
-    begins = np.flatnonzero(np.diff(trajectory["psi_ordered"]) != 0.0) + 1
+    return step_response(time, error, trajectory["psi_ordered"], config["duration"])
+
+
+def step_response(
+    time: np.ndarray, error: np.ndarray, ordered: np.ndarray, duration: float
+) -> dict[str, float]:
+    """Overshoot [deg] and settling time [s], mean over the steps of the ordered heading.
+
+    Parameters
+    ----------
+    time : numpy.ndarray
+        Full-scale time [s], shape (n,).
+    error : numpy.ndarray
+        Heading less ordered heading [deg], shape (n,).
+    ordered : numpy.ndarray
+        Ordered heading, in any unit, shape (n,).
+    duration : float
+        What an only heading counts that is not settled at [full-scale s].
+    """
+    begins = np.flatnonzero(np.diff(ordered) != 0.0) + 1
     parts = np.split(np.arange(len(time)), begins)
     found = []
     for part in parts[1:] or parts:
         settled = settling_time(time[part], error[part])
-        planned = config["duration"] if len(parts) == 1 else time[part[-1]] - time[part[0]]
+        planned = duration if len(parts) == 1 else time[part[-1]] - time[part[0]]
         found.append((overshoot(error[part]), planned if settled is None else settled))
     over, settling = np.mean(found, axis=0).tolist()
     return {"overshoot": over, "settling_time": settling}

@@ -18,6 +18,7 @@ CASES = [
     ("heading_keeping", WEAK, {"duration": 120.0}),
     ("heading_keeping", HARD_OVER, {"duration": 240.0}),  # fails
     ("course_changing", WEAK, {"duration": 400.0}),
+    ("course_changing", HARD_OVER, {"duration": 600.0}),  # fails
     ("track_following", DriftLOS(), TRACK),  # arrives
     ("track_following", HARD_OVER, {"limits.cross_track": 1.5, "duration": 600.0}),  # fails
 ]
@@ -36,6 +37,10 @@ def test_what_tasks_are_tuned_for(monkeypatch):
     assert objective_of("heading_keeping").name == "J_0.1"
     track = objective_of("track_following")
     assert track.of({"rms_route": [0.2], "rudder_travel": [1000.0]}) == pytest.approx(0.22)
+    course = objective_of("course_changing")
+    assert course.name == "settling_time" and course.beside == ("overshoot", "J_0.1")
+    rows = {"settling_time": [80.0, 30.0], "rudder_travel": [1000.0, 1000.0], "success": [1.0, 0.0]}
+    assert course.of(rows) == pytest.approx([85.0, 245.0])  # failing early is not settling early
     known = {"mine": SimpleNamespace(metrics={}), "heading_keeping": TASKS["heading_keeping"]}
     monkeypatch.setattr(objective, "TASKS", known)
     with pytest.raises(ConfigError, match=r"task 'mine'.*allowed are heading_keeping"):

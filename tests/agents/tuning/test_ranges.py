@@ -6,6 +6,7 @@ from ship_gym_agents.pid import PID, Gains
 from ship_gym_agents.tuning.ranges import (
     Range,
     at_bounds,
+    can_widen,
     from_shares,
     leaf,
     ranges_of,
@@ -31,6 +32,15 @@ def test_gains_as_shares_of_their_ranges():
 
 def test_an_optimum_at_a_bound_is_seen():
     assert at_bounds({"K_p": 2.0, "K_d": 0.05, "K_v": 4.0}, RANGES) == {"K_d": 0.0, "K_v": 4.0}
+
+
+def test_a_bound_of_the_gains_themselves_is_not_that_of_a_range():
+    """No wider range has a negative K_p; one of K_d has."""
+    ranges = {"K_p": Range(0.0, 5.0, 1.0), "K_d": Range(0.0, 10.0, 1.5)}
+    bounds = at_bounds({"K_p": 0.01, "K_d": 0.05}, ranges)
+    assert bounds == {"K_p": 0.0, "K_d": 0.0}
+    assert can_widen(Gains(0.01, 0.05), bounds, ranges) == ["K_d"]
+    assert can_widen(Gains(5.0, 0.05), {"K_p": 5.0}, ranges) == ["K_p"]
 
 
 def test_gains_by_dotted_name():

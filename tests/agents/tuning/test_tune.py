@@ -4,14 +4,18 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from ship_gym_agents import make_controller
+from ship_gym_agents.adaptive import Adaptive
 from ship_gym_agents.drift_los import DriftLOS
 from ship_gym_agents.gains_files import GainsFile, load_gains, write_gains
 from ship_gym_agents.los import ILOS
+from ship_gym_agents.lqg import LQG
+from ship_gym_agents.mpc import MPC
 from ship_gym_agents.pid import PID, Gains
 from ship_gym_agents.tuning import Size, gains_file, settings, tune
 from ship_gym_agents.tuning.objective import episode_costs
 from ship_gym_agents.tuning.ranges import leaf, with_leaves
-from ship_gym_agents.tuning.tune import mean_costs, scenario_for, structures_of
+from ship_gym_agents.tuning.structures import own_task_of, scenario_for, structures_of
+from ship_gym_agents.tuning.tune import mean_costs
 
 from ship_gym import load_ship
 from ship_gym.config import ConfigError
@@ -34,6 +38,27 @@ def test_candidates_sail_the_same_episodes_as_one(law):
         for found, each in zip(both, (starts, other), strict=True):
             assert found == episode_costs(law(with_leaves(gains, each)), [5, 6], **env).mean()
         assert both[0] != both[1]
+
+
+@pytest.mark.parametrize("law", [PID, LQG, Adaptive])
+def test_courses_have_structures_of_their_own(law):
+    """From the gains of headings on, turning by themselves or by a reference model."""
+    env = {"scenario": "course_changing", "overrides": {"duration": 60.0}}
+    turn, model = structures_of(law, KCS, "course_changing").items()
+    assert (turn[0], model[0]) == ("turn", "turn by a reference model")
+    for gains, free in (turn[1], model[1]):
+        starts = {n: leaf(gains, n) for n in free}
+        other = {n: 0.7 * value for n, value in starts.items()}
+        both = mean_costs(law, gains, [starts, other], [5, 6], **env)
+        assert both[0] == episode_costs(law(gains), [5, 6], **env).mean() != both[1]
+    assert structures_of(law, KCS) == structures_of(law, KCS, "heading_keeping")
+    assert "turn" not in structures_of(law, KCS)
+
+
+def test_which_gains_are_of_a_task_only():
+    assert own_task_of(PID, "heading_keeping") is own_task_of(ILOS, "track_following") is None
+    assert own_task_of(PID, "course_changing") == "course_changing"
+    assert own_task_of(MPC, "track_following") is None  # one file has both
 
 
 def test_a_tuning_tells_what_it_gained_and_is_kept(tmp_path):
