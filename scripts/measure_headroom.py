@@ -64,7 +64,7 @@ def jobs(suites: list[str], ships: list[str] | None) -> dict[str, Job]:
         if suite.kind != "episodes":
             continue
         for entry in suite.scenario:
-            for ship in ships or suite.ships:
+            for ship in ships or entry.ships or suite.ships:
                 key = "/".join((" ".join(filter(None, (entry.name, entry.control))), ship))
                 named = classical(entry.controllers or suite.controllers)
                 made = Job(key, entry.name, ship, entry.measure, entry.control, named)

@@ -154,7 +154,7 @@ def _cells(suite: Suite, controllers: Sequence[str], ships: Sequence[str]) -> li
     found = []
     for entry in suite.scenario:
         named = dict.fromkeys([ALWAYS, *(controllers or entry.controllers or suite.controllers)])
-        for ship in dict.fromkeys(ships or suite.ships):
+        for ship in dict.fromkeys(ships or entry.ships or suite.ships):
             # who is asked for by name sails every ship
             sails = [name for name in named if controllers or suite.sails(name, ship)]
             found.append(Cell(suite, entry, ship, tuple(sails)))

