@@ -15,6 +15,7 @@ import gymnasium as gym
 
 from pages import scenario_page
 from pages.docstrings import returned, table
+from pages.headroom import headroom_table
 from ship_gym.conventions import KNOT
 from ship_gym.envs.docstring import observation_table
 from ship_gym.envs.env import ShipEnv
@@ -124,6 +125,9 @@ def page(env_id: str) -> str:
         f"A benchmark scores `{task.headline}`. Every episode has these, computed from its "
         "recording; angles are in degrees, times at full scale.",
         _metrics(task),
+        "## Headroom",
+        headroom_table([env.scenario_name]),
+        f"[What these are, and those of other scenarios]({SCENARIOS}#headroom).",
         "## Scenario",
         f"Keys that `{env.scenario_name}` and its bases state; `overrides` replaces any of them. "
         f"[All keys]({SCENARIOS}#every-key), [other scenarios]({SCENARIOS}).",

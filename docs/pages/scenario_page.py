@@ -11,6 +11,7 @@ from itertools import takewhile
 from pathlib import Path
 
 from pages.docstrings import Field, fields, intro, table
+from pages.headroom import INTRO, headroom_table
 from ship_gym.config import merged
 from ship_gym.envs.env import ShipEnv
 from ship_gym.scenarios import Scenario, available_scenarios, load_scenario, scenario, sea_range
@@ -145,6 +146,10 @@ def page() -> str:
         "## Scenarios of the package",
         "A name or a file; where a base is given, the scenario is that one but for what it states.",
         table(("Name", "Base", "What it is"), files),
+        "## Headroom",
+        f"{INTRO} Scenarios that are not here are in no standard suite: controllers do not differ "
+        "in them, or nothing is measured yet.",
+        headroom_table(),
         "## Every key",
         "Lengths, times and speeds are those of the full-scale ship, unless a meaning says "
         "otherwise; a model gets them Froude-scaled. Defaults that differ between the tasks name "
