@@ -9,7 +9,7 @@ import numpy as np
 
 from ship_gym.evaluation.report import words
 from ship_gym.evaluation.report.benchmark import Benchmark
-from ship_gym.evaluation.report.events import Event
+from ship_gym.evaluation.report.events import NOTHING, Event
 from ship_gym.evaluation.statistics import Estimate
 from ship_gym.plotting.benchmark import Range, plot_scores
 from ship_gym.plotting.figure import for_page
@@ -40,14 +40,25 @@ class Place:
 
 
 def places(found: Benchmark, among: Sequence[Event]) -> list[Place]:
-    """Controllers with a score, best first; before others those scored in the most cells."""
+    """Controllers with a score, best first; before others those scored in every cell.
+
+    Doing nothing comes last: it is where the scale begins, no competitor.
+    """
     rows = []
     for name in found.controllers:
         cells = found.scored(name, among)
         if cells:
             rows.append(Place(name, found.mean_score(name, cells), cells))
-    most = max((len(row.cells) for row in rows), default=0)
-    return sorted(rows, key=lambda row: (len(row.cells) < most, -row.score.value))
+    total = _scored_cells(found, among)
+
+    def order(row: Place) -> tuple[bool, bool, float]:
+        return row.controller == NOTHING, len(row.cells) < total, -row.score.value
+
+    return sorted(rows, key=order)
+
+
+def _scored_cells(found: Benchmark, among: Sequence[Event]) -> int:
+    return sum(not found.scales[event].why for event in among)
 
 
 def boards(found: Benchmark) -> dict[str, list[Event]]:
@@ -74,14 +85,15 @@ def _board(found: Benchmark, title: str, ranked: Sequence[Place], among: Sequenc
     header = ["", "controller", "kind", "mean score", "cells", "best classical", "optimum"]
     header += ["success"]
     rows = []
-    total = sum(not found.scales[event].why for event in among)
+    total = _scored_cells(found, among)
+    few = any(len(place.cells) < total for place in ranked)
     for k, place in enumerate(ranked):
         best = [found.score(event, event.best_classical) for event in place.cells]
         optimum = [found.scales[event].optimum for event in place.cells]
         success = [event.runs[place.controller].middle("success") for event in place.cells]
         rows.append(
             [
-                str(k + 1) if len(place.cells) == len(ranked[0].cells) else "",
+                str(k + 1) if len(place.cells) == total and place.controller != NOTHING else "",
                 place.controller,
                 found.controllers[place.controller],
                 words.score_interval(place.score),
@@ -91,8 +103,8 @@ def _board(found: Benchmark, title: str, ranked: Sequence[Place], among: Sequenc
                 words.share(_mean(success)),
             ]
         )
-    few = "; without a rank: those that have no score in some cells" if rows[-1][0] == "" else ""
-    return Grid(f"{title}{few}", header, rows, left=3)
+    note = "; without a rank: those that have no score in some cells" if few else ""
+    return Grid(f"{title}{note}", header, rows, left=3)
 
 
 def _mean(values: Sequence[float | None]) -> float | None:

@@ -58,12 +58,12 @@ def test_why_there_is_no_score(results):
     )
 
 
-def test_leaderboard_ranks_those_with_all_cells_first(results):
+def test_leaderboard_ranks_those_with_all_cells_first_and_doing_nothing_last(results):
     found = judge(results, NONE_STORED)
     assert list(boards(found)) == ["all suites", "course", "heading"]
     ranked = places(found, found.events)
     assert [(p.controller, len(p.cells)) for p in ranked] == [
-        ("lqg", 6), ("pid", 6), ("constant", 6), ("mine", 3), ("ppo_kcs", 3),
+        ("lqg", 6), ("pid", 6), ("mine", 3), ("ppo_kcs", 3), ("constant", 6),
     ]  # fmt: skip
     pid = next(place for place in ranked if place.controller == "pid").score
     assert pid.value == pytest.approx(100.0) and pid.low < 100.0 < pid.high
