@@ -14,7 +14,6 @@ from ship_gym.evaluation import rollout
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.evaluation.rollout import tuning_seeds
 from ship_gym.scenarios import load_scenario
-from ship_gym.tasks import TASKS
 from ship_gym.tasks.base import DIVERGED, RUNNING
 from ship_gym.tasks.columns import observation_columns
 from ship_gym.tasks.course.kernels import OVERSHOOT_LIMIT
@@ -162,7 +161,7 @@ def test_classical_autopilots_complete_every_scenario(name):
     the difficulty itself: no other failure is allowed there.
     """
     seeds = tuning_seeds(32)
-    if TASKS[load_scenario(name).task].controllers[0] == "ilos":
+    if load_scenario(name).task == "track_following":
         for controller in (ILOS(),) if name == "track_corridor" else (LOSPID(), ILOS()):
             outcomes = outcome(controller, name, seeds)[0]
             at_end = np.isin(outcomes, (STRAYED, ARRIVED)).mean()
