@@ -25,7 +25,13 @@ def test_splits_follow_one_another_without_gap_or_overlap():
 def test_splits_are_frozen():
     """A change would make every number of ShipBench-1 incomparable."""
     firsts = {name: split.first for name, split in SPLITS.items()}
-    assert firsts == {"training": 0, "validation": 400_000, "tuning": 500_000, "test": 2_000_000, "final": 3_000_000}
+    assert firsts == {
+        "training": 0,
+        "validation": 400_000,
+        "tuning": 500_000,
+        "test": 2_000_000,
+        "final": 3_000_000,
+    }
 
 
 def test_seeds_of_a_split():

@@ -97,16 +97,14 @@ def final_text(found: Mapping[str, Any], score: Score) -> str:
     return "; ".join([line, *(_against(*each, own, score) for each in found["references"].items())])
 
 
-def _against(
-    name: str, other: Mapping[str, Any], own: Mapping[str, Any], score: Score
-) -> str:
+def _against(name: str, other: Mapping[str, Any], own: Mapping[str, Any], score: Score) -> str:
     difference = other["difference"]
     travel = f"rudder travel {own['rudder_travel']:.4g} against {other['rudder_travel']:.4g} deg/h"
     if "value" not in difference:
         return f"not comparable with {name}, {travel}"
     values = [f"{difference[key]:+.3g}" for key in ("value", "low", "high")]
-    failed = "" if other["success"] == own["success"] == 1.0 else (
-        f", success {other['success']:.0%}"
+    failed = (
+        "" if other["success"] == own["success"] == 1.0 else (f", success {other['success']:.0%}")
     )
     return (
         f"{difference['verdict']} {name} ({_shown(other[score.name])}{failed}): {values[0]} "

@@ -15,8 +15,9 @@ from typing import Any
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.splits import VALIDATION_SEED
 from ship_gym.provenance import provenance
+from ship_gym_agents.controllers import make_controller
+from ship_gym_agents.policies.policy_file import POLICY_FILE, load_policy, save_policy
 from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, plain
-from ship_gym_agents.sb3.policy import POLICY_FILE, load_policy, save_policy
 from ship_gym_agents.training.budget import Budget
 from ship_gym_agents.training.curves import write_curve
 from ship_gym_agents.training.run_folder import CURVE_FILE, TrainingFolder
@@ -84,6 +85,8 @@ class Run:
                 f"{self.budget.seconds / 60.0:.2f} min); give more minutes or steps in all"
             )
         self.score = score_of(config.scenario)
+        if state:
+            self.score = self.score._replace(limit=state["limit"])
         self.episodes = state["episodes"] if state else EPISODES[0]
         self._validated = state["validated"] if state else 0.0  # seconds of validations
         self._cost, self._due, self._kept = 0.0, 0.0, time.monotonic()
@@ -121,6 +124,7 @@ class Run:
         """Size the validations, judge what the run begins with, and let the clock run."""
         if not self.validations:
             self._size(policy())
+            self._set_limit()
             self._validate(policy(), {})
             self._keep(save)
         self._next()
@@ -134,6 +138,15 @@ class Run:
         cost = validate(policy, self.config.scenario, self._seeds(few)).seconds / few
         spare = _SHARE * 60.0 * self.budget.minutes / _FEWEST
         self.episodes = next((n for n in EPISODES if n * cost <= spare), few)
+
+    def _set_limit(self) -> None:
+        """The rudder travel that the price holds, on the validation seas if it is the base's."""
+        limit = self.config.hyperparameters.price.limit
+        if limit == "base":
+            base = make_controller(self.config.hyperparameters.form.base)
+            seeds = self._seeds(self.episodes)
+            limit = validate(base, self.config.scenario, seeds, self.score).means["rudder_travel"]
+        self.score = self.score._replace(limit=float(limit) if limit else None)
 
     def _seeds(self, count: int) -> list[int]:
         return list(range(VALIDATION_SEED, VALIDATION_SEED + count))
@@ -190,13 +203,14 @@ class Run:
 
     @property
     def _interval(self) -> float:
-        return getattr(self.config.hyperparameters.training, "checkpoint", 60.0)
+        return self.config.hyperparameters.training.checkpoint
 
     def _keep(self, save: Callable[[Path], None]) -> None:
         state = {
             "samples": self.samples,
             "seconds": self.budget.seconds,
             "episodes": self.episodes,
+            "limit": self.score.limit,
             "validated": self._validated,
             "validations": self.validations,
         }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import importlib.util
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -10,25 +11,25 @@ from typing import Any
 
 import numpy as np
 import torch
-from stable_baselines3.common.vec_env import VecNormalize
 
 from ship_gym.evaluation.splits import VALIDATION_SEED
-from ship_gym.scenarios.scenario import Scenario
+from ship_gym_agents.policies.policy import Policy
+from ship_gym_agents.policies.policy_file import load_policy
 from ship_gym_agents.sb3.algorithms import (
     explore,
     export,
     load_checkpoint,
     make_model,
     save_checkpoint,
+    warm_start,
 )
-from ship_gym_agents.sb3.policy import SB3Policy
-from ship_gym_agents.sb3.vec_adapter import ShipVecEnv
+from ship_gym_agents.sb3.config import RunConfig
+from ship_gym_agents.sb3.environments import form_envs, make_env
+from ship_gym_agents.sb3.sections import Price
 from ship_gym_agents.training.run import Run
 from ship_gym_agents.training.supervisor import Supervisor
 
 _ENDLESS = 10**12
-# Floor of the variance of an observation: one that hardly varies is not blown up to noise.
-_EPSILON = 1e-4
 
 
 def learn(
@@ -58,12 +59,13 @@ class _SB3Run:
     """Model and environments of a run."""
 
     def __init__(self, run: Run, init: str | Path | None = None):
-        self.run, self.config = run, run.config
-        _compile_kernels(self.config.scenario)
+        self.run, self.config, self.hyper = run, run.config, run.config.hyperparameters
         self.model = self._make_model()
         if run.checkpoint is not None:
             load_checkpoint(self.model, run.checkpoint)
             self._renew_noise()
+        elif init is not None:
+            warm_start(self.model, self.config.algorithm, self.hyper, load_policy(init))
         self._seed_episodes()
 
     def _renew_noise(self) -> None:
@@ -76,48 +78,46 @@ class _SB3Run:
         self.model.set_random_seed(int(generator.integers(2**31)))
 
     def _make_model(self):
-        config, hyper = self.config, self.config.hyperparameters
-        duration = hyper.training.episode or config.scenario.duration
-        env = ShipVecEnv(
-            hyper.training.envs,
-            stagger=True,
-            scenario=config.scenario,
-            overrides={"duration": duration},
-        )
-        env = VecNormalize(env, gamma=hyper.training.gamma, epsilon=_EPSILON)
+        config = self.config
+        _compile_kernels(config)
+        env = make_env(config)
         has_board = importlib.util.find_spec("tensorboard") is not None
         log = self.run.folder.path / "tensorboard" if has_board else None
-        return make_model(config.algorithm, env, hyper, config.seed, self._learning_rate, log)
+        return make_model(
+            config.algorithm, env, config.hyperparameters, config.seed, self._learning_rate, log
+        )
 
     def _learning_rate(self, _: float) -> float:
         """Falls to zero over the budget; stable-baselines3 itself knows of samples only."""
         samples = self.model.num_timesteps if hasattr(self, "model") else 0
-        start = self.config.hyperparameters.training.learning_rate
+        start = self.hyper.training.learning_rate
         return start * (1.0 - self.run.budget.used(samples))
 
     def _seed_episodes(self) -> None:
         """Own seeds for each run and each part of it, all below the validation seeds."""
         generator = np.random.default_rng([self.config.seed, self.model.num_timesteps])
-        envs = self.config.hyperparameters.training.envs
+        envs = self.hyper.training.envs
         self.model.get_env().seed(int(generator.integers(VALIDATION_SEED - envs)))
 
-    def policy(self) -> SB3Policy:
+    def policy(self) -> Policy:
         """The present policy."""
-        name = f"{self.config.algorithm}-{self.run.folder.path.name}"
-        activation = self.config.hyperparameters.network.activation
-        return export(self.model, self.config.algorithm, activation, {"name": name})
+        card = {"name": f"{self.config.algorithm}-{self.run.folder.path.name}"}
+        return export(self.model, self.config.algorithm, self.hyper, card)
 
     def save(self, folder: Path) -> None:
         """Write the state of the model."""
         save_checkpoint(self.model, folder, {})
 
     def told(self) -> dict[str, float]:
-        """What the learner tells of itself in progress and curve."""
-        return {}
+        """Price of the rudder's travel, where it is a multiplier."""
+        if not self.hyper.price.limit:
+            return {}
+        prices = [part.price.travel_price for part in form_envs(self.model.get_env())]
+        return {"multiplier": float(np.mean(prices))}
 
     def learn(self, bar: Any, judge: Callable | None) -> dict[str, Any]:
         """Train to the end of the budget."""
-        run, options = self.run, self.config.hyperparameters.algorithm
+        run, options = self.run, self.hyper.algorithm
         supervisor = Supervisor(
             run,
             self.policy,
@@ -133,20 +133,21 @@ class _SB3Run:
                 reset_num_timesteps=self.model.num_timesteps == 0,
                 tb_log_name=self.config.algorithm,
             )
-            return run.end(
-                self.model.num_timesteps, self.policy, self.save, judge, **self.told()
-            )
+            return run.end(self.model.num_timesteps, self.policy, self.save, judge, **self.told())
         except BaseException as stop:
             status = "interrupted" if isinstance(stop, KeyboardInterrupt) else "stopped"
             run.break_off(status, self.model.num_timesteps, self.save)
             raise
 
 
-def _compile_kernels(scenario: Scenario) -> None:
+def _compile_kernels(config: RunConfig) -> None:
     """Step once before the clock runs: the first step after installation compiles for seconds."""
-    env = ShipVecEnv(1, scenario=scenario)
+    hyper = config.hyperparameters
+    training = dataclasses.replace(hyper.training, envs=max(1, len(hyper.training.ships)))
+    small = dataclasses.replace(hyper, training=training, price=Price())
+    env = make_env(dataclasses.replace(config, hyperparameters=small))
     env.reset()
-    env.step(np.zeros((1, *env.action_space.shape)))
+    env.step(np.zeros((env.num_envs, *env.action_space.shape), dtype=env.action_space.dtype))
 
 
 @contextlib.contextmanager

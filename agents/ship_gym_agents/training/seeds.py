@@ -17,8 +17,8 @@ from typing import Any
 
 from ship_gym.config import ConfigError, check_number
 from ship_gym.provenance import atomic_path, provenance
+from ship_gym_agents.policies.policy_file import POLICY_FILE
 from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, plain
-from ship_gym_agents.sb3.policy import POLICY_FILE
 from ship_gym_agents.training.budget import Budget
 from ship_gym_agents.training.curves import draw_curves
 from ship_gym_agents.training.run_folder import TrainingFolder

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ship_gym_agents.policies.policy_file import POLICY_FILE
 from ship_gym_agents.sb3.config import RunConfig
 from ship_gym_agents.training.score import score_of
 
@@ -65,11 +66,11 @@ def _of_seeds(config: RunConfig, card: Mapping[str, Any], out: str | Path) -> st
         f"kept: the median, seed {median['seed']} ({card['score']}); {score.name} of the seeds "
         f"from {shown(low)} to {shown(high)} {score.unit}"
     )
-    return "\n".join([*lines, f"wrote {Path(out) / 'policy.zip'}, summary.json, curve.png"])
+    return "\n".join([*lines, f"wrote {Path(out) / POLICY_FILE}, summary.json, curve.png"])
 
 
 def _wrote(out: str | Path) -> str:
-    return f"wrote {Path(out) / 'policy.zip'}, card.json, curve.csv, curve.png and checkpoint"
+    return f"wrote {Path(out) / POLICY_FILE}, card.json, curve.csv, curve.png and checkpoint"
 
 
 def shown(value: float | None) -> str:

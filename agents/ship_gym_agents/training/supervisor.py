@@ -47,9 +47,7 @@ class Supervisor(BaseCallback):
         self._log(self._run.last)
 
     def _on_rollout_start(self) -> None:
-        found = self._run.between(
-            self.num_timesteps, self._policy, self._save, **self._learner()
-        )
+        found = self._run.between(self.num_timesteps, self._policy, self._save, **self._learner())
         self._log(found)
         self._explore(self._run.budget.used(self.num_timesteps))
 
