@@ -21,7 +21,7 @@ from ship_gym_agents.policies.normaliser import Normaliser
 from ship_gym_agents.policies.policy import Policy
 from ship_gym_agents.sb3 import networks
 from ship_gym_agents.sb3.checkpoint import load_checkpoint, save_checkpoint
-from ship_gym_agents.sb3.environments import form_envs
+from ship_gym_agents.sb3.environments import form_env
 from ship_gym_agents.sb3.sections import Hyperparameters
 
 __all__ = ["ALGORITHMS", "export", "load_checkpoint", "make_model", "save_checkpoint"]
@@ -147,7 +147,7 @@ def _network(algorithm: str, env: VecNormalize, hyper: Hyperparameters) -> dict[
     if not critic:
         return {**found, "net_arch": hidden}
     found["net_arch"] = {"pi": hidden, critic: list(hyper.network.critic or hidden)}
-    first = form_envs(env)[0]
+    first = form_env(env)
     found["n_features"] = first.n_features
     if algorithm == "recurrent_ppo":
         return {**found, "lstm_hidden_size": hyper.algorithm.lstm}
@@ -178,11 +178,10 @@ def explore(model: BaseAlgorithm, options: Any, used: float) -> None:
         change = options.exploration_final - options.exploration_init
         rate = options.exploration_init + change * gone
         model.exploration_schedule = lambda _: rate
-    prices = [part.price for part in form_envs(model.get_env())]
-    if any([price.update() for price in prices]):
-        for name in ("travel", "travel_price"):
-            values = [getattr(price, name) for price in prices]
-            model.logger.record(f"price/{name}", float(np.mean(values)))
+    price = form_env(model.get_env()).price
+    if price.update():
+        model.logger.record("price/travel", price.travel)
+        model.logger.record("price/travel_price", price.travel_price)
 
 
 def export(
@@ -190,7 +189,7 @@ def export(
 ) -> Policy:
     """The mean decision of a model and the present state of its normaliser, as a controller."""
     env = model.get_vec_normalize_env()
-    part = form_envs(env)[0]
+    part = form_env(env)
     n, rms = part.n_features, env.obs_rms
     scale = np.sqrt(rms.var + env.epsilon)[:n]
     names = {"features": list(part.helm.names), "decisions": list(part.helm.decisions)}
@@ -203,7 +202,7 @@ def export(
 
 
 def _exported_network(model: BaseAlgorithm, algorithm: str, hyper: Hyperparameters) -> Network:
-    part = form_envs(model.get_env())[0]
+    part = form_env(model.get_env())
     linear = _linear_layers(model, algorithm)
     mirror = part.mirror if algorithm != "recurrent_ppo" else None
     mlp = Mlp(

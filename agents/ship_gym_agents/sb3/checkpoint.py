@@ -14,7 +14,7 @@ from stable_baselines3.common.save_util import load_from_zip_file, save_to_zip_f
 
 from ship_gym.config import ConfigError
 from ship_gym.provenance import atomic_path
-from ship_gym_agents.sb3.environments import form_envs
+from ship_gym_agents.sb3.environments import form_env
 
 _STATE = "state.json"
 _REPLAY = "replay_buffer.pkl"
@@ -35,8 +35,8 @@ def save_checkpoint(model: BaseAlgorithm, folder: Path, counters: Mapping[str, A
         name: {"mean": rms.mean.tolist(), "var": rms.var.tolist(), "count": float(rms.count)}
         for name, rms in (("obs_rms", env.obs_rms), ("ret_rms", env.ret_rms))
     }
-    prices = [part.price.state() for part in form_envs(env)]
-    state = {**counters, **statistics, "prices": prices, "samples": model.num_timesteps}
+    state = {**counters, **statistics, "samples": model.num_timesteps}
+    state["price"] = form_env(env).price.state()
     _, tensors = model._get_torch_save_params()
     with atomic_path(folder / "model.zip") as temporary:
         save_to_zip_file(
@@ -72,8 +72,7 @@ def load_checkpoint(model: BaseAlgorithm, folder: Path) -> dict[str, Any]:
         rms, saved = getattr(env, name), state[name]
         rms.mean, rms.var = np.array(saved["mean"]), np.array(saved["var"])
         rms.count = saved["count"]
-    for part, saved in zip(form_envs(env), state["prices"], strict=True):
-        part.price.restore(saved)
+    form_env(env).price.restore(state["price"])
     model.num_timesteps = state["samples"]
     if getattr(model, "replay_buffer", None) is not None and (folder / _REPLAY).is_file():
         model.load_replay_buffer(folder / _REPLAY)

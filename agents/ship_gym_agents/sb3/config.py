@@ -98,6 +98,11 @@ def run_config(
         privileged,
         {**plan.get("overrides", {}), **(overrides or {})},
     )
+    if resolved.privileged:
+        raise ConfigError(
+            "privileged = true: a policy never sees sea and forces; its critic does in training "
+            "with training.critic = 'privileged'"
+        )
     load_ship(resolved.ship, surrogate=resolved.surrogate)  # refuses an unknown one now
     metrics_of(resolved.task)  # and a task that no validation can judge
     source = {key: plan[key] for key in SECTIONS if key in plan}

@@ -6,9 +6,8 @@ import numpy as np
 from stable_baselines3.common.running_mean_std import RunningMeanStd
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
-from ship_gym.config import ConfigError
 from ship_gym_agents.sb3.config import RunConfig
-from ship_gym_agents.sb3.form_vec_env import FleetVecEnv, FormVecEnv
+from ship_gym_agents.sb3.form_vec_env import FormVecEnv
 from ship_gym_agents.sb3.vec_adapter import ShipVecEnv
 
 # Floor of the variance of a feature: one that hardly varies is not blown up to noise.
@@ -48,54 +47,39 @@ def make_env(config: RunConfig) -> VecNormalize:
     Parameters
     ----------
     config : RunConfig
-        ``training`` says how many, ships and overrides; ``form`` and ``price`` the rest.
+        ``training`` says how many, which ships and overrides; ``form`` and ``price`` the rest.
 
     Returns
     -------
     VecNormalize
-        Over a `FormVecEnv`, or over a `FleetVecEnv` of one for each of ``training.ships``.
+        Over a `FormVecEnv`.
 
     Raises
     ------
     ConfigError
-        A form that does not fit the scenario, or ships whose features differ.
+        A form that does not fit the scenario.
     """
-    training = config.hyperparameters.training
-    ships = training.ships or (None,)
-    counts = [len(range(k, training.envs, len(ships))) for k in range(len(ships))]
-    parts = [_form_env(config, ship, n) for ship, n in zip(ships, counts, strict=True)]
-    first = parts[0]
-    for part, ship in zip(parts, ships, strict=True):
-        if part.helm.names != first.helm.names:
-            raise ConfigError(f"training.ships: {ship} has other features than {ships[0]}")
-    env = VecNormalize(
-        first if len(parts) == 1 else FleetVecEnv(parts), gamma=training.gamma, epsilon=_EPSILON
+    hyper = config.hyperparameters
+    training = hyper.training
+    venv = ShipVecEnv(
+        training.envs,
+        stagger=True,
+        ship=list(training.ships) or None,
+        scenario=config.scenario,
+        privileged=training.critic == "privileged",
+        overrides={"duration": training.episode or config.scenario.duration, **training.overrides},
     )
-    if config.hyperparameters.form.symmetric:
-        width = env.observation_space.shape[0]
-        signs = np.append(first.helm.signs, np.ones(width - first.n_features))
-        env.obs_rms = MirrorMeanStd(signs)
+    levels = getattr(hyper.algorithm, "levels", 0)
+    seen = FormVecEnv(venv, hyper.form, hyper.price, levels)
+    env = VecNormalize(seen, gamma=training.gamma, epsilon=_EPSILON)
+    if hyper.form.symmetric:
+        n_privileged = env.observation_space.shape[0] - seen.n_features
+        env.obs_rms = MirrorMeanStd(np.append(seen.helm.signs, np.ones(n_privileged)))
     return env
 
 
-def _form_env(config: RunConfig, ship: str | None, count: int) -> FormVecEnv:
-    hyper = config.hyperparameters
-    training = hyper.training
-    duration = training.episode or config.scenario.duration
-    venv = ShipVecEnv(
-        count,
-        stagger=True,
-        ship=ship,
-        scenario=config.scenario,
-        privileged=training.critic == "privileged",
-        overrides={"duration": duration, **training.overrides},
-    )
-    levels = getattr(hyper.algorithm, "levels", 0)
-    return FormVecEnv(venv, hyper.form, hyper.price, levels)
-
-
-def form_envs(env: VecEnv) -> list[FormVecEnv]:
-    """The parts of an environment of `make_env`, one for each ship."""
-    while not isinstance(env, FormVecEnv | FleetVecEnv):
+def form_env(env: VecEnv) -> FormVecEnv:
+    """The helm's environment in one of `make_env`."""
+    while not isinstance(env, FormVecEnv):
         env = env.venv
-    return [env] if isinstance(env, FormVecEnv) else env.parts
+    return env

@@ -7,13 +7,13 @@ the same helm does in training.
 
 from __future__ import annotations
 
-import copy
 import itertools
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from gymnasium import spaces
-from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
+from stable_baselines3.common.vec_env import VecEnvWrapper
 
 from ship_gym.tasks import observations_of
 from ship_gym.tasks.columns import observation_columns
@@ -28,7 +28,7 @@ _LONGEST = 2000  # intervals in which the travel of the base is measured, at mos
 
 
 class FormVecEnv(VecEnvWrapper):
-    """Features in, decisions out, for a batch of one ship.
+    """Features in, decisions out, for a batch of ships.
 
     A step sails ``form.every`` intervals; its reward is the sum of theirs less the price. An
     episode that ends within a step ends the step for its environment: the features of its last
@@ -59,10 +59,12 @@ class FormVecEnv(VecEnvWrapper):
 
     def __init__(self, venv: ShipVecEnv, form: Form, price: Price | None = None, levels: int = 0):
         self.form, self.helm, self.scenario = form, Helm(form), venv.env.scenario
-        self.helm.reset(venv.num_envs, venv.env.ship, self.scenario)
+        ships = venv.env.ships
+        self.helm.reset(venv.num_envs, ships, self.scenario)
         columns = observation_columns(self.scenario)
         self._n_plain = len(observations_of(self.scenario.task))
-        self._rudder, self._degrees = columns["rudder"], np.degrees(venv.env.ship.gear.delta_max)
+        self._rudder = columns["rudder"]
+        self._hard_over = np.degrees([ship.gear.delta_max for ship in ships])
         self.n_features = len(self.helm.names)
         width = self.n_features + len(columns) - self._n_plain
         self.choices = None
@@ -95,9 +97,10 @@ class FormVecEnv(VecEnvWrapper):
 
     def _begin(self) -> None:
         observations = self.venv.reset()
-        self.helm.restart(np.arange(self.num_envs))
-        self._meter.restart(np.arange(self.num_envs), observations[:, self._rudder] * self._degrees)
-        self._features = self._look(observations)
+        everyone = np.arange(self.num_envs)
+        self.helm.restart(everyone)
+        self._meter.restart(everyone, self._angle(observations))
+        self._features = self._seen(self.helm.look, observations)
 
     def _travel_of_base(self) -> float:
         """Travel without decisions, of the first episodes [deg/h]."""
@@ -125,108 +128,35 @@ class FormVecEnv(VecEnvWrapper):
         for k in range(self.form.every):
             actions = self.helm.act(decisions if k == 0 else None)
             observations, rewards, ended, told = self.venv.step(actions)
-            live = ~dones
-            travel, reversals = self._rudder_moved(observations, ended, told)
+            rows, live = np.flatnonzero(ended), ~dones
+            last = _last(observations, rows, told)
+            travel, reversals = self._meter(self._angle(last))
             total[live] += (rewards - self.price.cost(travel, reversals, live))[live]
-            if ended.any():
-                self._end(np.flatnonzero(ended), dones, observations, told, infos)
+            if len(rows):
+                features = self._seen(self.helm.peek, last)
+                for i in rows[live[rows]]:
+                    infos[i] = {**told[i], "terminal_observation": features[i]}
                 dones |= ended
-            self._features = self._look(observations)
+                self.helm.restart(rows)
+                self._meter.restart(rows, self._angle(observations)[rows])
+            self._features = self._seen(self.helm.look, observations)
         return total, dones, infos
 
-    def _rudder_moved(self, observations, ended, told) -> tuple[np.ndarray, np.ndarray]:
-        """Travel [deg] and reversals of the interval; the meters of new episodes begin anew."""
-        new = observations[:, self._rudder] * self._degrees
-        angle = new.copy()
-        rows = np.flatnonzero(ended)
-        for i in rows:
-            angle[i] = told[i]["terminal_observation"][self._rudder] * self._degrees
-        moved = self._meter(angle)
-        self._meter.restart(rows, new[rows])
-        return moved
+    def _angle(self, observations: np.ndarray) -> np.ndarray:
+        """Rudder angles [deg], shape (n,)."""
+        return observations[:, self._rudder] * self._hard_over
 
-    def _end(self, rows, dones, observations, told, infos) -> None:
-        """Keep the ends of episodes, with features of their last observations."""
-        last = observations.copy()
-        for i in rows:
-            last[i] = told[i]["terminal_observation"]
-        features = self._look(last, onward=False)
-        for i in rows[~dones[rows]]:
-            infos[i] = {**told[i], "terminal_observation": features[i].copy()}
-        self.helm.restart(rows)
-
-    def _look(self, observations: np.ndarray, onward: bool = True) -> np.ndarray:
-        """What the learner sees; without `onward` the helm stays where it is."""
-        helm = self.helm if onward else copy.deepcopy(self.helm)
-        features = helm.look(observations[:, : self._n_plain])
-        return np.concatenate(
-            (features, observations[:, self._n_plain :]), axis=1, dtype=np.float32
-        )
+    def _seen(self, look: Callable, observations: np.ndarray) -> np.ndarray:
+        """What the learner sees, by the helm's `look` or `peek`."""
+        privileged = observations[:, self._n_plain :]
+        return np.concatenate((look(observations), privileged), axis=1, dtype=np.float32)
 
 
-class FleetVecEnv(VecEnv):
-    """Several `FormVecEnv` side by side, one for each ship: each helm steers one kind of ship.
-
-    Parameters
-    ----------
-    parts : list of FormVecEnv
-        With the same observations and decisions.
-    """
-
-    def __init__(self, parts: list[FormVecEnv]):
-        self.parts = parts
-        count = sum(part.num_envs for part in parts)
-        super().__init__(count, parts[0].observation_space, parts[0].action_space)
-        ends = np.cumsum([part.num_envs for part in parts])
-        self._cuts = ends[:-1]
-
-    def reset(self) -> np.ndarray:
-        """Begin new episodes everywhere."""
-        for part, seeds in zip(self.parts, self._split(self._seeds), strict=True):
-            if seeds[0] is not None:
-                part.seed(int(seeds[0]))
-        self._reset_seeds()
-        return np.concatenate([part.reset() for part in self.parts])
-
-    def step_async(self, actions: np.ndarray) -> None:
-        """Hand out the actions."""
-        for part, own in zip(self.parts, self._split(actions), strict=True):
-            part.step_async(own)
-
-    def step_wait(self):
-        """Sail one step, ship after ship."""
-        found = [part.step_wait() for part in self.parts]
-        observations, rewards, dones, infos = zip(*found, strict=True)
-        return (
-            np.concatenate(observations),
-            np.concatenate(rewards),
-            np.concatenate(dones),
-            list(itertools.chain(*infos)),
-        )
-
-    def _split(self, values: Any) -> list[Any]:
-        return np.split(np.asarray(values), self._cuts)
-
-    def close(self) -> None:
-        """Release all environments."""
-        for part in self.parts:
-            part.close()
-
-    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """Attribute of each environment, by the part that it is in."""
-        values = [value for part in self.parts for value in part.get_attr(attr_name)]
-        return [values[i] for i in self._get_indices(indices)]
-
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Set an attribute of all environments."""
-        for part in self.parts:
-            part.set_attr(attr_name, value)
-
-    def env_method(self, method_name: str, *method_args, indices: Any = None, **method_kwargs):
-        """Call a method of each part."""
-        found = [p.env_method(method_name, *method_args, **method_kwargs) for p in self.parts]
-        return list(itertools.chain(*found))
-
-    def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
-        """As `ShipVecEnv` has it."""
-        return [wrapped for part in self.parts for wrapped in part.env_is_wrapped(wrapper_class)]
+def _last(observations: np.ndarray, rows: np.ndarray, told: list[dict[str, Any]]) -> np.ndarray:
+    """Observations at the ends of the interval, also of the episodes that ended with it."""
+    if not len(rows):
+        return observations
+    last = observations.copy()
+    for i in rows:
+        last[i] = told[i]["terminal_observation"]
+    return last
