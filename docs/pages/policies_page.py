@@ -25,8 +25,8 @@ command that made it, is in its file: `ship-gym evaluate --policy NAME`. They we
 {n} episodes of the split `{split}` (seeds from {first}), which nothing else uses, with claims that
 were written down before: `scripts/policy_claims.toml`. The opponent is the classical controller
 that was best on other seeds. Differences are paired, seed by seed; p-values are those of the
-sign-flip test, corrected by Holm over the {tests} tests of this page. A claim that does not hold stands here
-like one that does.
+sign-flip test, corrected by Holm over the {tests} tests of this page. A claim that does not hold
+stands here like one that does.
 """
 _SHOWN = ("success", "rudder_travel", "rudder_reversals")
 
