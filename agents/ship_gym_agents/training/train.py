@@ -24,7 +24,6 @@ from ship_gym.provenance import atomic_path, provenance
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.columns import observation_columns
-from ship_gym_agents.sb3.budget import Budget
 from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, check_free, plain, read_card
 from ship_gym_agents.sb3.policy import (
     POLICY_FILE,
@@ -32,6 +31,7 @@ from ship_gym_agents.sb3.policy import (
     load_policy,
     save_policy,
 )
+from ship_gym_agents.training.budget import Budget
 
 try:
     import torch
@@ -44,8 +44,8 @@ try:
         make_model,
         save_checkpoint,
     )
-    from ship_gym_agents.sb3.callbacks import Supervisor
     from ship_gym_agents.sb3.vec_adapter import ShipVecEnv
+    from ship_gym_agents.training.supervisor import Supervisor
 except ModuleNotFoundError as error:
     if error.name not in ("torch", "stable_baselines3"):
         raise

@@ -7,7 +7,7 @@ from typing import Any
 
 from stable_baselines3.common.callbacks import BaseCallback
 
-from ship_gym_agents.sb3.budget import Budget
+from ship_gym_agents.training.budget import Budget
 
 
 class Supervisor(BaseCallback):
