@@ -43,22 +43,30 @@ class Rollout:
         Without values and advantages yet: the critic gives them when learning begins.
     log_std : Tensor
         Logarithm of the standard deviation of the actions (n_actions,).
-    cut_off : list of (int, int, array)
-        Step, environment and last observation of the episodes that ended by time alone.
     last_observations : array
         (n, n_observations), after the last step.
     last_dones : array
         (n,) bool, of the last step.
-    infos : list
-        Of each step, for the callbacks.
+    ended : list of dict
+        Of each step, the infos of the episodes that ended with it, by environment.
     """
 
     buffer: RolloutBuffer
     log_std: torch.Tensor
     last_observations: np.ndarray
     last_dones: np.ndarray
-    cut_off: list[tuple[int, int, np.ndarray]] = dataclasses.field(default_factory=list)
-    infos: list[list[dict[str, Any]]] = dataclasses.field(default_factory=list)
+    ended: list[dict[int, dict[str, Any]]] = dataclasses.field(default_factory=list)
+
+    def cut_off(self) -> tuple[list[int], list[int], list[np.ndarray]]:
+        """Step, environment and last observation of the episodes that ended by time alone."""
+        found = [
+            (k, i, info["terminal_observation"])
+            for k, infos in enumerate(self.ended)
+            for i, info in infos.items()
+            if info.get("TimeLimit.truncated", False)
+        ]
+        steps, envs, last = zip(*found, strict=True) if found else ((), (), ())
+        return list(steps), list(envs), list(last)
 
 
 class OverlappedPPO(PPO):
@@ -175,10 +183,7 @@ class OverlappedPPO(PPO):
                 np.clip(actions, self.action_space.low, self.action_space.high)
             )
             buffer.rewards[k] = rewards
-            for i in np.flatnonzero(dones):
-                if infos[i].get("TimeLimit.truncated", False):
-                    rollout.cut_off.append((k, int(i), infos[i]["terminal_observation"]))
-            rollout.infos.append(infos)
+            rollout.ended.append({int(i): infos[i] for i in np.flatnonzero(dones)})
             rollout.last_observations, rollout.last_dones = seen, dones
         density = -0.5 * noise**2 - log_std - 0.5 * np.log(2.0 * np.pi)
         buffer.log_probs[:] = density.sum(-1).numpy()
@@ -189,15 +194,15 @@ class OverlappedPPO(PPO):
     def _arrive(self, rollout: Rollout, callback: BaseCallback) -> bool:
         """Count the steps of a rollout and tell the callbacks; False: one of them wants to stop."""
         dones = [*rollout.buffer.episode_starts[1:].astype(bool), rollout.last_dones]
-        for k, infos in enumerate(rollout.infos):
+        for k, ended in enumerate(rollout.ended):
             self.num_timesteps += self.n_envs
+            infos = [ended.get(i, {}) for i in range(self.n_envs)]
             callback.update_locals(
                 {"infos": infos, "dones": dones[k], "rewards": rollout.buffer.rewards[k]}
             )
             if not callback.on_step():
                 return False
-            ended = np.flatnonzero(dones[k])
-            self._update_info_buffer([infos[i] for i in ended], np.ones(len(ended), dtype=bool))
+            self._update_info_buffer(list(ended.values()), np.ones(len(ended), dtype=bool))
         callback.on_rollout_end()
         return True
 
@@ -208,8 +213,8 @@ class OverlappedPPO(PPO):
         with torch.no_grad():
             flat = buffer.observations.reshape(-1, *buffer.obs_shape)
             buffer.values[:] = self._values(flat).reshape(buffer.values.shape)
-            if rollout.cut_off:
-                steps, envs, last = zip(*rollout.cut_off, strict=True)
+            steps, envs, last = rollout.cut_off()
+            if steps:
                 buffer.rewards[steps, envs] += self.gamma * self._values(np.stack(last))
             after = torch.from_numpy(self._values(rollout.last_observations))
         buffer.compute_returns_and_advantage(after, rollout.last_dones)
