@@ -21,7 +21,12 @@ from ship_gym.config import (
     read_toml,
 )
 from ship_gym_agents.forms.form import Form
-from ship_gym_agents.sb3.options import OPTIONS, GaussNewtonOptions, OffPolicyOptions, PPOOptions
+from ship_gym_agents.sb3.options import (
+    OPTIONS,
+    GaussNewtonOptions,
+    OffPolicyOptions,
+    OnPolicyOptions,
+)
 
 SECTIONS = ("form", "training", "network", "algorithm", "price")
 ACTIVATIONS = ("tanh", "relu")
@@ -160,7 +165,7 @@ class Hyperparameters:
 
     training: Training
     network: Network
-    algorithm: PPOOptions | OffPolicyOptions | GaussNewtonOptions
+    algorithm: OnPolicyOptions | OffPolicyOptions | GaussNewtonOptions
     form: Form = dataclasses.field(default_factory=Form)
     price: Price = dataclasses.field(default_factory=Price)
 
