@@ -129,7 +129,8 @@ class Price:
     limit : str
         Travel to keep below, in deg/h or ``"base"`` for that of the base; ``""``: the price of
         travel is fixed. With a limit it is a Lagrange multiplier, which rises while the travel is
-        above it and falls to zero while it is below.
+        above it and falls to zero while it is below. The travel is that of training, exploration
+        included, so that the finished policy stays below.
     rate : float
         Change of the price [reward per deg] for a rollout whose travel is twice the limit.
     """
