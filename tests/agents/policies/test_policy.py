@@ -1,15 +1,19 @@
 """Policies as controllers: intervals, memory, and what they refuse to steer."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from ship_gym_agents.forms.form import Form
+from ship_gym_agents.pid import PID
 from ship_gym_agents.policies.policy import Policy
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import Controller
 from ship_gym.scenarios import load_scenario
+from ship_gym.ships import load_ship
 
-from .conftest import FEATURES, begun, observations, random_policy, sailed
+from .conftest import COLUMNS, FEATURES, begun, observations, random_policy, sailed
 
 
 def test_a_policy_is_a_controller_of_batches(policy):
@@ -67,6 +71,23 @@ def test_other_scenarios_are_refused():
         begun(trained, scenario=both)
     with pytest.raises(ConfigError, match="trained for task = 'heading_keeping', not 'track"):
         begun(trained, scenario=load_scenario("track_following"))
+
+
+def test_a_ship_without_gains_of_the_base_is_refused():
+    policy = begun(random_policy("linear", Form("residual", "pid", 0.2)))
+    ship = dataclasses.replace(load_ship("kcs"), name="mine")
+    with pytest.raises(ConfigError, match=r"policy tiny-linear: no pid gains for ship 'mine'"):
+        policy.reset(1, ship, load_scenario())
+
+
+def test_a_residual_adds_its_share_to_the_rudder_of_the_base():
+    seen = 0.02 * observations()
+    seen[..., COLUMNS.index("cos_error")] = 1.0
+    both = sailed(random_policy("symmetric", Form("residual", "pid", 0.2)), seen)
+    base, own = sailed(PID(), seen), sailed(random_policy("symmetric"), seen)
+    inside = (np.abs(both) < 1.0) & (np.abs(base) < 1.0)
+    assert inside.mean() > 0.5 and np.abs(own).max() > 0.01
+    np.testing.assert_allclose((both - base)[inside], 0.2 * own[inside], atol=1e-12)
 
 
 def test_other_features_than_this_version_makes_are_refused():
