@@ -114,12 +114,12 @@ class Policy:
             if had == names:
                 continue
             trained = self.card.get("config", {}).get("scenario", {})
-            for key in ("task", "control"):
+            for key, words in (("task", "trained on"), ("control", "trained for control =")):
                 now = getattr(scenario, key)
                 if trained.get(key, now) != now:
                     raise ConfigError(
-                        f"policy {self.name}: trained for {key} = {trained[key]!r}, not {now!r}; "
-                        f"its {what}: {_difference(had, names)}"
+                        f"policy {self.name}: {words} {trained[key]!r}, not {now!r}; its {what}: "
+                        f"{_difference(had, names)}"
                     )
             raise ConfigError(
                 f"policy {self.name}: made for other {what} than this version makes for control = "

@@ -69,7 +69,7 @@ def test_other_scenarios_are_refused():
     trained = other(policy, config={"scenario": {"task": "heading_keeping", "control": "rudder"}})
     with pytest.raises(ConfigError, match=r"trained for control = 'rudder', not 'rudder\+rpm'"):
         begun(trained, scenario=both)
-    with pytest.raises(ConfigError, match="trained for task = 'heading_keeping', not 'track"):
+    with pytest.raises(ConfigError, match="trained on 'heading_keeping', not 'track"):
         begun(trained, scenario=load_scenario("track_following"))
 
 
