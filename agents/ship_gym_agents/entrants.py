@@ -134,6 +134,6 @@ def trained(card: Mapping[str, Any]) -> dict[str, Any]:
     scenario = config.get("scenario", {})
     found = {key: scenario.get(key) for key in ("task", "ship", "control")}
     found["sea"] = scenario.get("sea", {}).get("states")
-    found |= {"algorithm": config.get("algorithm"), "seed": config.get("seed")}
+    found |= {"algorithm": config.get("algorithm")}
     found |= {key: card.get(key) for key in ("samples", "seconds", "validation_seeds")}
     return {key: value for key, value in found.items() if value is not None}

@@ -95,7 +95,7 @@ class Policy:
 
     def about(self) -> dict[str, Any]:
         """What stands beside results: form, network and seed of the training."""
-        found = {"form": self.form_in_words, "network": self.network.about()}
+        found = {"form": self.form_in_words, "network": self.network.in_words}
         seed = self.card.get("config", {}).get("seed")
         return found | ({} if seed is None else {"seed": seed})
 

@@ -54,7 +54,9 @@ def test_rows_that_restart_remember_nothing():
 def test_what_it_says_of_itself():
     about = random_policy("lstm", Form(every=2)).about()
     assert about["form"] == "direct every 2 intervals, sees observation"
-    assert about["network"]["kind"] == "lstm" and "seed" not in about
+    assert about["network"] == "lstm 5, mlp 4, tanh, clip" and "seed" not in about
+    assert random_policy("linear").network.in_words == "linear, clip"
+    assert random_policy("symmetric").network.in_words == "mlp 8, tanh, clip, symmetric"
 
 
 def other(policy, **card):
