@@ -39,6 +39,7 @@ def entrant(named: str | Path, shown: str | None = None) -> Entrant:
     kind = "policy" if hasattr(made, "card") else "own" if split(text) else "classical"
     if kind == "policy":
         about |= {"trained": trained(made.card)}
+        about |= _gains(make_controller(made.form.base)) if made.form.base else {}
     make = functools.partial(make_controller, text)
     return Entrant(str(named), shown or made.name, make, kind, about | _told(made))
 

@@ -3,6 +3,7 @@
 import pytest
 from ship_gym_agents import make_controller
 from ship_gym_agents.entrants import controllers_of, distinct, entrant
+from ship_gym_agents.forms.form import Form
 from ship_gym_agents.policies.policy_file import POLICY_FILE, save_policy
 
 from ship_gym.config import ConfigError
@@ -46,6 +47,16 @@ def test_an_entrant_tells_form_seed_and_sha(run):
     assert one.about["network"] == "mlp 64 x 64, tanh, clip" and one.about["seed"] == 0
     assert one.about["trained"]["task"] == "heading_keeping" and "seed" not in one.about["trained"]
     assert one.make().card["config"]["seed"] == 0
+
+
+def test_an_entrant_tells_the_gains_of_the_autopilot_it_steers_by(run):
+    policy = make_controller("ppo_kcs")
+    policy.form = Form("residual", "pid@kcs", 0.1)
+    save_policy(policy, "residual.safetensors")
+    about = entrant("residual.safetensors").about
+    assert "pid_kcs.toml" in about["gains_files"] and about["form"].startswith(
+        "residual on pid@kcs"
+    )
 
 
 def test_a_shipped_policy_tells_its_file():
