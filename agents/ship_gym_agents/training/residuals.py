@@ -1,0 +1,187 @@
+"""Residuals of a task: what Gauss-Newton squares and makes small, for every interval and episode.
+
+Their squares add up to the cost of an episode, a mean over its planned intervals; the scores that
+policies are chosen by are another thing. The rudder's movement counts by its angle, not by its
+square: what is wanted is less travel, whatever the size of the strokes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+
+from ship_gym.config import ConfigError
+from ship_gym.conventions import DELTA, PSI, wrap_angle
+from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.tasks.measures import TURN
+from ship_gym_agents.sb3.options import GaussNewtonOptions
+
+LAMBDA = 0.1  # of J, weight of the squared rudder angle
+_SMALL = 0.3  # rudder movement below which its price is that of its square [deg]
+_HOLD = 0.02  # courses: weight of the squared rudder angle, in deg2 of the heading error
+
+
+class Residuals:
+    """What the tasks have in common: the rudder's movement, episodes that have ended.
+
+    Call `begin` before and `end` after each interval of the batch.
+
+    Parameters
+    ----------
+    batch : EpisodeBatch
+    options : GaussNewtonOptions
+
+    Attributes
+    ----------
+    PARTS : int
+        Residuals of an interval.
+    unit : str
+        Of the square root of the cost.
+    """
+
+    PARTS: ClassVar[int]
+    unit: ClassVar[str]
+
+    def __init__(self, batch: EpisodeBatch, options: GaussNewtonOptions):
+        self._batch, self._options = batch, options
+        self._failing = np.array([outcome.failed for outcome in batch.task.all_outcomes])
+        self.sailing = np.ones(batch.n, dtype=np.bool_)
+        self._failed = np.zeros(batch.n, dtype=np.bool_)
+
+    def begin(self) -> None:
+        """Keep what the interval is judged by."""
+        self._delta = self._batch.sim.state[:, DELTA].copy()
+
+    def end(self) -> np.ndarray:
+        """Residuals of the interval, shape (PARTS, n): zero once an episode has ended well."""
+        batch = self._batch
+        moved = np.degrees(batch.sim.state[:, DELTA] - self._delta)
+        parts = np.stack([*self._of_task(), movement(moved, self._options.price)])
+        ended = self.sailing & (batch.terminated | batch.truncated)
+        self._failed |= ended & batch.terminated & self._failing[batch.outcomes]
+        # the interval in which an episode ends counts as it was; a diverged ship has no numbers
+        found = np.where(self.sailing, np.nan_to_num(parts), 0.0)
+        self.sailing = self.sailing & ~ended
+        worst = np.append(self._worst(), 0.0)[:, None]
+        return np.where(self._failed, worst, found)
+
+    def _of_task(self) -> tuple[np.ndarray, ...]:
+        """Residuals of the interval but for the movement, each of shape (n,)."""
+        raise NotImplementedError
+
+    def _worst(self) -> tuple[float, ...]:
+        """The same in the intervals that an episode does not sail since it has failed."""
+        raise NotImplementedError
+
+
+class Heading(Residuals):
+    """psi_e and sqrt(lambda) delta [deg]; those of turns with a weight of their own."""
+
+    PARTS, unit = 3, "deg"
+
+    def __init__(self, batch: EpisodeBatch, options: GaussNewtonOptions):
+        super().__init__(batch, options)
+        self._since = np.zeros(batch.n)  # the last order [full-scale s]
+
+    def begin(self) -> None:
+        """See `Residuals`."""
+        super().begin()
+        self._ordered = self._batch.tasks["psi_ordered"].copy()
+
+    def _of_task(self) -> tuple[np.ndarray, ...]:
+        batch = self._batch
+        share = np.sqrt(np.where(self._since < TURN, self._options.turn, 1.0))
+        new = batch.tasks["psi_ordered"] != self._ordered
+        self._since = np.where(new, 0.0, self._since + batch.scenario.control_interval)
+        error = np.degrees(wrap_angle(batch.sim.state[:, PSI] - self._ordered))
+        delta = np.degrees(batch.sim.state[:, DELTA])
+        return share * error, share * math.sqrt(LAMBDA) * delta
+
+    def _worst(self) -> tuple[float, ...]:
+        limit = self._batch.scenario.limits.heading_error_deg
+        hard_over = max(math.degrees(ship.gear.delta_max) for ship in self._batch.fleet)
+        return limit, math.sqrt(LAMBDA) * hard_over
+
+
+class Course(Heading):
+    """Steps of the order: how long the error is more than `band` deg, and how far beyond the order.
+
+    The error counts as ``band tanh(psi_e / band)``, so a turn costs by its time and not by its
+    size. What is beyond a new order on the other side than the ship came from counts once more,
+    with the weight `overshoot`.
+    """
+
+    PARTS = 4
+
+    def __init__(self, batch: EpisodeBatch, options: GaussNewtonOptions):
+        super().__init__(batch, options)
+        self._side = np.zeros(batch.n)  # of the new order, from which the ship came
+        self._since += TURN  # the order that holds at first is no step
+
+    def _of_task(self) -> tuple[np.ndarray, ...]:
+        batch, options = self._batch, self._options
+        psi, ordered = batch.sim.state[:, PSI], batch.tasks["psi_ordered"]
+        turning = self._since < TURN
+        error, _ = Heading._of_task(self)
+        error = np.degrees(wrap_angle(psi - self._ordered))
+        beyond = np.where(turning, np.maximum(-self._side * error, 0.0), 0.0)
+        new = ordered != self._ordered
+        self._side = np.where(new, np.sign(wrap_angle(psi - ordered)), self._side)
+        return (
+            options.band * np.tanh(error / options.band),
+            math.sqrt(_HOLD) * np.degrees(batch.sim.state[:, DELTA]),
+            math.sqrt(options.overshoot) * beyond,
+        )
+
+    def _worst(self) -> tuple[float, ...]:
+        limit, hard_over = super()._worst()
+        return self._options.band, math.sqrt(_HOLD / LAMBDA) * hard_over, limit
+
+
+class Track(Residuals):
+    """Distance to the route [L]."""
+
+    PARTS, unit = 2, "L"
+
+    def _of_task(self) -> tuple[np.ndarray, ...]:
+        return (self._batch.errors / self._batch.tasks["L"],)
+
+    def _worst(self) -> tuple[float, ...]:
+        return (self._batch.scenario.limits.cross_track,)
+
+
+_OF_HEADLINE: dict[str, type[Residuals]] = {
+    "J_steady": Heading,
+    "settling_time": Course,
+    "rms_route": Track,
+}
+
+
+def residuals_of(batch: EpisodeBatch, options: GaussNewtonOptions) -> Residuals:
+    """Residuals of the task of a batch.
+
+    Raises
+    ------
+    ConfigError
+        A task that has none.
+    """
+    headline = batch.task.headline
+    if headline not in _OF_HEADLINE:
+        able = ", ".join(_OF_HEADLINE)
+        raise ConfigError(
+            f"gauss_newton: task {batch.scenario.task!r} has no residuals; allowed are tasks whose "
+            f"headline is one of {able}, not {headline!r}"
+        )
+    return _OF_HEADLINE[headline](batch, options)
+
+
+def movement(moved: np.ndarray, price: float) -> np.ndarray:
+    """Residual whose square is ``price * (sqrt(moved^2 + small^2) - small)``, moved in deg.
+
+    So large movements cost by their size, small ones by their square (pseudo-Huber loss), and the
+    residual itself is smooth.
+    """
+    size = np.sqrt(moved * moved + _SMALL * _SMALL) - _SMALL
+    return np.sign(moved) * np.sqrt(price * size)
