@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -46,7 +47,7 @@ class Layout:
 
     def __init__(self, helm: Helm, hidden: Sequence[int], activation: str):
         sizes = [len(helm.names), *hidden, len(helm.decisions)]
-        self._shapes = [s for a, b in zip(sizes, sizes[1:], strict=False) for s in ((b, a), (b,))]
+        self._shapes = [s for a, b in itertools.pairwise(sizes) for s in ((b, a), (b,))]
         self._activation, self._hidden = activation, bool(hidden)
         free = [np.ones(shape, dtype=np.bool_) for shape in self._shapes]
         self._mirror = None
@@ -122,9 +123,7 @@ class Voyages:
         self._options, self.form = hyper.algorithm, hyper.form
         duration = self._options.horizon or hyper.training.episode or config.scenario.duration
         overrides = {"duration": duration, **hyper.training.overrides}
-        self.scenario, _ = resolved_scenario(
-            config.scenario, None, None, None, False, overrides
-        )
+        self.scenario, _ = resolved_scenario(config.scenario, None, None, None, False, overrides)
         names = hyper.training.ships or (self.scenario.ship,)
         self._ships = [load_ship(name, surrogate=self.scenario.surrogate) for name in names]
         count, split = self._options.episodes, SPLITS["training"]

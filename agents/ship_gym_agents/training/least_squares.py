@@ -8,6 +8,7 @@ import numpy as np
 
 SHARES = (0.1, 1.0, 10.0, 100.0)  # of the damping; all of them are tried
 LEAST_DAMPING, MOST_DAMPING = 1e-6, 1e6
+_LEAST = 1e-12  # of the largest diagonal, so that the matrix can be inverted
 _RAISED = 30.0  # where no step lowers the cost
 
 
@@ -43,7 +44,9 @@ def steps(
     gradient = np.array([row @ residuals for row in wide]) + ridge * vector
     found = []
     for damping in dampings:
-        extra = damping * np.diag(matrix) + ridge
+        diagonal = np.diag(matrix)
+        # what no residual feels, as layers behind weights of zero, stays where it is
+        extra = damping * diagonal + ridge + _LEAST * max(float(diagonal.max()), _LEAST)
         found.append(vector - np.linalg.solve(matrix + np.diag(extra), gradient))
     return np.array(found)
 

@@ -59,13 +59,13 @@ class Residuals:
         batch = self._batch
         moved = np.degrees(batch.sim.state[:, DELTA] - self._delta)
         parts = np.stack([*self._of_task(), movement(moved, self._options.price)])
+        worst = np.append(self._worst(), 0.0)[:, None]
+        # the interval in which an episode ends counts as it was; a diverged ship has no numbers
+        found = np.where(self.sailing, np.nan_to_num(parts), np.where(self._failed, worst, 0.0))
         ended = self.sailing & (batch.terminated | batch.truncated)
         self._failed |= ended & batch.terminated & self._failing[batch.outcomes]
-        # the interval in which an episode ends counts as it was; a diverged ship has no numbers
-        found = np.where(self.sailing, np.nan_to_num(parts), 0.0)
         self.sailing = self.sailing & ~ended
-        worst = np.append(self._worst(), 0.0)[:, None]
-        return np.where(self._failed, worst, found)
+        return found
 
     def _of_task(self) -> tuple[np.ndarray, ...]:
         """Residuals of the interval but for the movement, each of shape (n,)."""
