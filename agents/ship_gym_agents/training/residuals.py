@@ -13,13 +13,19 @@ from typing import ClassVar
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.conventions import DELTA, PSI, wrap_angle
+from ship_gym.conventions import DELTA, FLOW_TORQUE, N, PSI, U, X, Y, wrap_angle
 from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.physics.propeller import shaft_power
+from ship_gym.ships.particulars import Ship
+from ship_gym.simulation import ShipSim, self_propulsion
 from ship_gym.tasks.measures import TURN
+from ship_gym.tracks.guidance import share_left
 from ship_gym_agents.sb3.options import GaussNewtonOptions
 
 LAMBDA = 0.1  # of J, weight of the squared rudder angle
 _SMALL = 0.3  # rudder movement below which its price is that of its square [deg]
+_SLACK = 0.02  # share of the time of a voyage in which an arrival is late already
+_LATE = 10.0  # of the share by which it is late: 1 % of the time weighs as 1 % of the energy
 _HOLD = 0.02  # courses: weight of the squared rudder angle, in deg2 of the heading error
 
 
@@ -37,12 +43,9 @@ class Residuals:
     ----------
     PARTS : int
         Residuals of an interval.
-    unit : str
-        Of the square root of the cost.
     """
 
     PARTS: ClassVar[int]
-    unit: ClassVar[str]
 
     def __init__(self, batch: EpisodeBatch, options: GaussNewtonOptions):
         self._batch, self._options = batch, options
@@ -79,7 +82,7 @@ class Residuals:
 class Heading(Residuals):
     """psi_e and sqrt(lambda) delta [deg]; those of turns with a weight of their own."""
 
-    PARTS, unit = 3, "deg"
+    PARTS = 3
 
     def __init__(self, batch: EpisodeBatch, options: GaussNewtonOptions):
         super().__init__(batch, options)
@@ -91,13 +94,21 @@ class Heading(Residuals):
         self._ordered = self._batch.tasks["psi_ordered"].copy()
 
     def _of_task(self) -> tuple[np.ndarray, ...]:
-        batch = self._batch
         share = np.sqrt(np.where(self._since < TURN, self._options.turn, 1.0))
-        new = batch.tasks["psi_ordered"] != self._ordered
-        self._since = np.where(new, 0.0, self._since + batch.scenario.control_interval)
-        error = np.degrees(wrap_angle(batch.sim.state[:, PSI] - self._ordered))
-        delta = np.degrees(batch.sim.state[:, DELTA])
-        return share * error, share * math.sqrt(LAMBDA) * delta
+        delta = np.degrees(self._batch.sim.state[:, DELTA])
+        found = share * self._error(), share * math.sqrt(LAMBDA) * delta
+        self._take_orders()
+        return found
+
+    def _error(self) -> np.ndarray:
+        """Heading error by the order that held in the interval [deg]."""
+        return np.degrees(wrap_angle(self._batch.sim.state[:, PSI] - self._ordered))
+
+    def _take_orders(self) -> np.ndarray:
+        """Let the time since the last order go on; whose order is new."""
+        new = self._batch.tasks["psi_ordered"] != self._ordered
+        self._since = np.where(new, 0.0, self._since + self._batch.scenario.control_interval)
+        return new
 
     def _worst(self) -> tuple[float, ...]:
         limit = self._batch.scenario.limits.heading_error_deg
@@ -121,14 +132,10 @@ class Course(Heading):
         self._since += TURN  # the order that holds at first is no step
 
     def _of_task(self) -> tuple[np.ndarray, ...]:
-        batch, options = self._batch, self._options
-        psi, ordered = batch.sim.state[:, PSI], batch.tasks["psi_ordered"]
-        turning = self._since < TURN
-        error, _ = Heading._of_task(self)
-        error = np.degrees(wrap_angle(psi - self._ordered))
-        beyond = np.where(turning, np.maximum(-self._side * error, 0.0), 0.0)
-        new = ordered != self._ordered
-        self._side = np.where(new, np.sign(wrap_angle(psi - ordered)), self._side)
+        batch, options, error = self._batch, self._options, self._error()
+        beyond = np.where(self._since < TURN, np.maximum(-self._side * error, 0.0), 0.0)
+        left = wrap_angle(batch.sim.state[:, PSI] - batch.tasks["psi_ordered"])
+        self._side = np.where(self._take_orders(), np.sign(left), self._side)
         return (
             options.band * np.tanh(error / options.band),
             math.sqrt(_HOLD) * np.degrees(batch.sim.state[:, DELTA]),
@@ -143,13 +150,50 @@ class Course(Heading):
 class Track(Residuals):
     """Distance to the route [L]."""
 
-    PARTS, unit = 2, "L"
+    PARTS = 2
 
     def _of_task(self) -> tuple[np.ndarray, ...]:
         return (self._batch.errors / self._batch.tasks["L"],)
 
     def _worst(self) -> tuple[float, ...]:
         return (self._batch.scenario.limits.cross_track,)
+
+
+class Economy(Residuals):
+    """Energy of a voyage with a deadline, by that at the power of self-propulsion, and lateness.
+
+    An episode that arrives in the last `_SLACK` of the time, or has not arrived when it is up, is
+    late by ``_LATE`` times the share of the time, or of the route that is left beside that slack.
+    The metric knows no such slope: who is late has failed.
+    """
+
+    PARTS = 3
+
+    def __init__(self, batch: EpisodeBatch, options: GaussNewtonOptions):
+        super().__init__(batch, options)
+        self._steps = batch.scenario.steps
+        self._full = np.array([_power_at_speed(ship) for ship in batch.ships])
+
+    def _of_task(self) -> tuple[np.ndarray, ...]:
+        batch = self._batch
+        power = np.sqrt(np.maximum(batch.power, 0.0) / self._full)
+        return power, math.sqrt(self._steps) * _LATE * self._late()
+
+    def _late(self) -> np.ndarray:
+        """Share by which an episode that ends in this interval is late; 0 of the others."""
+        batch, late = self._batch, np.zeros(self._batch.n)
+        for i in np.flatnonzero(self.sailing & (batch.terminated | batch.truncated)):
+            time = batch.elapsed[i] / self._steps
+            leg, at = int(batch.tasks["active"][i]), batch.sim.state[i, [X, Y]]
+            left = 0.0 if batch.terminated[i] else share_left(self._route(i), leg, *at)
+            late[i] = max(time - (1.0 - _SLACK), 0.0) + left
+        return late
+
+    def _route(self, i: int) -> np.ndarray:
+        return self._batch.plans[i, : int(self._batch.tasks["count"][i])]
+
+    def _worst(self) -> tuple[float, ...]:
+        return 2.0, 0.0  # of an episode that has left the route: four times the power
 
 
 _OF_HEADLINE: dict[str, type[Residuals]] = {
@@ -174,7 +218,20 @@ def residuals_of(batch: EpisodeBatch, options: GaussNewtonOptions) -> Residuals:
             f"gauss_newton: task {batch.scenario.task!r} has no residuals; allowed are tasks whose "
             f"headline is one of {able}, not {headline!r}"
         )
-    return _OF_HEADLINE[headline](batch, options)
+    found = _OF_HEADLINE[headline]
+    if found is Track and batch.scenario.control == "rudder+rpm":
+        found = Economy
+    return found(batch, options)
+
+
+def _power_at_speed(ship: Ship) -> float:
+    """Power delivered at the propeller at self-propulsion in calm water [W]."""
+    one = ShipSim(ship, 1, parallel=False)
+    one.state[0, [U, N]] = ship.speed, self_propulsion(ship, ship.speed)
+    one.commands[0] = 0.0, one.state[0, N]
+    one.set_interval(1.0 / ship.time_unit)
+    one.advance()
+    return float(shaft_power(one.state[0, N], one.flow[0, FLOW_TORQUE]))
 
 
 def movement(moved: np.ndarray, price: float) -> np.ndarray:

@@ -98,3 +98,26 @@ def test_task_without_residuals_is_refused():
     batch.task = dataclasses.replace(batch.task, headline="return")
     with pytest.raises(ConfigError, match="has no residuals; allowed are tasks whose headline"):
         residuals_of(batch, OPTIONS)
+
+
+def test_economy_counts_delivered_energy_and_late_arrivals():
+    batch = begin(SEEDS, "track_economy", parallel=False)
+    controller = make_controller("just_in_time")
+    controller.reset(batch.n, batch.ship, batch.scenario)
+    residuals = residuals_of(batch, dataclasses.replace(OPTIONS, price=0.0))
+    made, energy, arrival = [], np.zeros(batch.n), np.zeros(batch.n)
+    for k in range(batch.scenario.steps):
+        sailing = residuals.sailing
+        residuals.begin()
+        batch.step(controller.act(batch.observations))
+        made.append(residuals.end())
+        energy = np.where(sailing, batch.energy, energy)
+        arrival = np.where(sailing, k + 1, arrival)
+    made = np.array(made)
+    assert np.all(arrival < batch.scenario.steps), "all arrive"
+    delivered = (made[:, 0] ** 2).sum(axis=0) * batch.dt
+    ratio = delivered / energy  # the power at self-propulsion, one over it
+    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-9)
+    late = np.maximum(arrival / batch.scenario.steps - 0.98, 0.0)
+    found = (made[:, 1] ** 2).sum(axis=0) / batch.scenario.steps
+    np.testing.assert_allclose(found, (10.0 * late) ** 2, atol=1e-12)
