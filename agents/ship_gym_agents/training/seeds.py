@@ -84,6 +84,10 @@ def train_seeds(
         options |= {"final": final, "command": command}
         try:
             cards = _all(_parts(config, folder.path, count), options, jobs, bar)
+        except ConfigError:
+            if not any(folder.path.glob(f"seed_*/{CARD_FILE}")):
+                folder.free()
+            raise
         except KeyboardInterrupt:
             folder.write_card(card | {"status": "interrupted"})
             raise
