@@ -25,6 +25,9 @@ class Form:
         that `base` steers.
     base : str
         Classical controller by name, such as ``pid``, ``pid@kcs``, ``drift_los``; empty: none.
+    filter_noise : float
+        Noise of the ship's own sway and yaw that the observer of `base` assumes, by that of its
+        gains; below 1 it takes more of the motion for waves, and the base moves the rudder less.
     scale : float
         What decision 1 is. residual: share of the largest rudder angle. guidance: heading offset
         [rad]. increment: share of what the steering gear moves in `every` intervals. direct: 1.
@@ -44,6 +47,7 @@ class Form:
 
     action: str = "direct"
     base: str = ""
+    filter_noise: float = 1.0
     scale: float = 1.0
     scale_rpm: float = 0.0
     every: int = 1
@@ -56,6 +60,7 @@ class Form:
         largest = ACTIONS[self.action].largest
         ranges = {"scale": (0.0, largest, "-"), "scale_rpm": (0.0, 2.0, "-")}
         check_fields("form", self, ranges | {"every": (1, _MOST_EVERY, "intervals")})
+        check_fields("form", self, {"filter_noise": (0.01, 100.0, "-")})
         if self.scale == 0.0:
             raise ConfigError("form.scale = 0: a decision would do nothing; allowed is above 0")
         if self.action == "direct" and (self.scale, self.scale_rpm) != (1.0, 0.0):
@@ -87,6 +92,10 @@ class Form:
             raise ConfigError(
                 f"form.base is empty: action = {self.action!r} needs a classical controller, such "
                 "as base = 'pid'"
+            )
+        if self.filter_noise != 1.0:
+            raise ConfigError(
+                f"form.filter_noise = {self.filter_noise} without form.base: allowed is 1"
             )
         for name in self.features:
             if name in BLOCKS and BLOCKS[name].on_base:
