@@ -25,9 +25,6 @@ class Form:
         that `base` steers.
     base : str
         Classical controller by name, such as ``pid``, ``pid@kcs``, ``drift_los``; empty: none.
-    filter_noise : float
-        Noise of the ship's own sway and yaw that the observer of `base` assumes, by that of its
-        gains; below 1 it takes more of the motion for waves, and the base moves the rudder less.
     scale : float
         What decision 1 is. residual: share of the largest rudder angle. guidance: heading offset
         [rad]. increment: share of what the steering gear moves in `every` intervals. direct: 1.
@@ -43,17 +40,20 @@ class Form:
         Decisions ago whose features are appended.
     symmetric : bool
         Whether the network shall answer mirrored features with the mirrored decision.
+    filter_noise : float
+        Noise of the ship's own sway and yaw that the observer of `base` assumes, by that of its
+        gains; below 1 it takes more of the motion for waves, and the base moves the rudder less.
     """
 
     action: str = "direct"
     base: str = ""
-    filter_noise: float = 1.0
     scale: float = 1.0
     scale_rpm: float = 0.0
     every: int = 1
     features: tuple[str, ...] = ("observation",)
     lags: tuple[int, ...] = ()
     symmetric: bool = False
+    filter_noise: float = 1.0
 
     def __post_init__(self):
         check_known("form.action", self.action, ACTIONS)
