@@ -19,7 +19,7 @@ from ship_gym_agents.training.final import judge
 from ship_gym_agents.training.run import Report, Run
 from ship_gym_agents.training.run_folder import TrainingFolder
 
-FEWEST_JUDGING = 32  # episodes of the final evaluation, at least
+FEWEST_JUDGING = 64  # episodes of the final evaluation, at least
 GAUSS_NEWTON = "gauss_newton"
 
 
