@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import torch
 from sb3_contrib import TQC, RecurrentPPO
-from stable_baselines3 import DQN, PPO, SAC, TD3
+from stable_baselines3 import DQN, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.noise import NormalActionNoise, VectorizedActionNoise
 from stable_baselines3.common.vec_env import VecNormalize
@@ -22,6 +22,7 @@ from ship_gym_agents.policies.policy import Policy
 from ship_gym_agents.sb3 import networks
 from ship_gym_agents.sb3.checkpoint import load_checkpoint, save_checkpoint
 from ship_gym_agents.sb3.environments import form_env
+from ship_gym_agents.sb3.overlapped import OverlappedPPO
 from ship_gym_agents.sb3.sections import Hyperparameters
 
 __all__ = ["ALGORITHMS", "export", "load_checkpoint", "make_model", "save_checkpoint"]
@@ -57,7 +58,11 @@ class Algorithm:
 
 ALGORITHMS: dict[str, Algorithm] = {
     "ppo": Algorithm(
-        PPO, networks.ShipPolicy, lambda policy: [*policy.mlp_extractor.policy_net], "clip", "vf"
+        OverlappedPPO,
+        networks.ShipPolicy,
+        lambda policy: [*policy.mlp_extractor.policy_net],
+        "clip",
+        "vf",
     ),
     "recurrent_ppo": Algorithm(
         RecurrentPPO,

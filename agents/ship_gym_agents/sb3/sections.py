@@ -21,7 +21,12 @@ from ship_gym.config import (
     read_toml,
 )
 from ship_gym_agents.forms.form import Form
-from ship_gym_agents.sb3.options import OPTIONS, GaussNewtonOptions, OffPolicyOptions, PPOOptions
+from ship_gym_agents.sb3.options import (
+    OPTIONS,
+    GaussNewtonOptions,
+    OffPolicyOptions,
+    OnPolicyOptions,
+)
 
 SECTIONS = ("form", "training", "network", "algorithm", "price")
 ACTIVATIONS = ("tanh", "relu")
@@ -129,7 +134,8 @@ class Price:
     limit : str
         Travel to keep below, in deg/h or ``"base"`` for that of the base; ``""``: the price of
         travel is fixed. With a limit it is a Lagrange multiplier, which rises while the travel is
-        above it and falls to zero while it is below.
+        above it and falls to zero while it is below. The travel is that of training, exploration
+        included, so that the finished policy stays below.
     rate : float
         Change of the price [reward per deg] for a rollout whose travel is twice the limit.
     """
@@ -165,7 +171,7 @@ class Hyperparameters:
 
     training: Training
     network: Network
-    algorithm: PPOOptions | OffPolicyOptions | GaussNewtonOptions
+    algorithm: OnPolicyOptions | OffPolicyOptions | GaussNewtonOptions
     form: Form = dataclasses.field(default_factory=Form)
     price: Price = dataclasses.field(default_factory=Price)
 
