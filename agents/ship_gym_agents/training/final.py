@@ -47,7 +47,12 @@ def _can_steer(name: str, scenario: Scenario) -> bool:
 
 
 def judge(
-    policy: Controller, scenario: Scenario, score: Score, episodes: int, base: str = ""
+    policy: Controller,
+    scenario: Scenario,
+    score: Score,
+    episodes: int,
+    base: str = "",
+    chosen_on: Sequence[int] = (),
 ) -> dict[str, Any]:
     """Sail the policy and its references on the same seas.
 
@@ -59,13 +64,16 @@ def judge(
     episodes : int
     base : str
         Name of the controller that the policy is built on, if any.
+    chosen_on : sequence of int
+        Seeds of the validations, on which the references are sailed too, for the learning curve.
 
     Returns
     -------
     dict
         For the card: ``seeds`` (first, last), ``policy`` (means), ``references`` (name to means
         and ``difference``: policy less reference with its 95 % interval, p and ``verdict``;
-        ``travel_difference`` of the rudder's travel) and the ``text`` that says it all.
+        ``travel_difference`` of the rudder's travel; ``validation``: means on `chosen_on`) and the
+        ``text`` that says it all.
     """
     seeds = list(range(JUDGING_SEED, JUDGING_SEED + episodes))
     own = validate(policy, scenario, seeds, score)
@@ -77,6 +85,9 @@ def judge(
             "difference": compared(own, other, score),
             "travel_difference": difference(own.each[_TRAVEL], other.each[_TRAVEL]),
         }
+        if chosen_on:
+            controller = make_controller(name)
+            found[name]["validation"] = validate(controller, scenario, chosen_on, score).means
     made = {"seeds": [seeds[0], seeds[-1]], "policy": own.means, "references": found}
     return {**made, "text": final_text(made, score)}
 

@@ -116,6 +116,6 @@ def _judge(run: Run) -> Callable[[Any], dict[str, Any]]:
 
     def of(policy: Any) -> dict[str, Any]:
         episodes = max(FEWEST_JUDGING, run.episodes)
-        return judge(policy, run.config.scenario, run.score, episodes, base)
+        return judge(policy, run.config.scenario, run.score, episodes, base, run.seeds)
 
     return of
