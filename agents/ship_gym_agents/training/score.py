@@ -70,10 +70,10 @@ def score_of(scenario: Scenario) -> Score:
 
 
 class Validation(NamedTuple):
-    """Sailed validation episodes: means, the score of each episode, and how long it took [s]."""
+    """Sailed validation episodes: means, values of each episode, and how long it took [s]."""
 
     means: dict[str, float | None]
-    each: list[float | None]
+    each: dict[str, list[float | None]]
     seconds: float
 
 
@@ -98,7 +98,7 @@ def validate(
     found = [metrics(episode) for episode in sailed.episodes]
     columns = {n: [row[n] for row in found] for n in dict.fromkeys((score.name, *_BESIDE))}
     means = {name: _mean(column) for name, column in columns.items()}
-    return Validation(means, columns[score.name], time.monotonic() - began)
+    return Validation(means, columns, time.monotonic() - began)
 
 
 def _mean(column: Sequence[float | None]) -> float | None:

@@ -19,7 +19,7 @@ from ship_gym_agents.training.final import judge
 from ship_gym_agents.training.run import Report, Run
 from ship_gym_agents.training.run_folder import TrainingFolder
 
-FEWEST_JUDGING = 32  # episodes of the final evaluation, at least
+FEWEST_JUDGING = 64  # episodes of the final evaluation, at least
 GAUSS_NEWTON = "gauss_newton"
 
 
@@ -116,6 +116,6 @@ def _judge(run: Run) -> Callable[[Any], dict[str, Any]]:
 
     def of(policy: Any) -> dict[str, Any]:
         episodes = max(FEWEST_JUDGING, run.episodes)
-        return judge(policy, run.config.scenario, run.score, episodes, base)
+        return judge(policy, run.config.scenario, run.score, episodes, base, run.seeds)
 
     return of
