@@ -21,6 +21,7 @@ from ship_gym_agents.sb3.config import RunConfig
 from ship_gym_agents.training.residuals import residuals_of
 
 MOST_WEIGHTS = 200  # each takes a voyage of all episodes in every iteration
+LIMIT = 3.0  # of scaled features: a linear law shall not grow where it has hardly ever been
 _FLOOR = 0.05  # of the scale of a feature: one that hardly varies is not blown up to noise
 
 
@@ -157,7 +158,7 @@ class Voyages:
         odd = self.form.symmetric & (self.helm.signs < 0.0)
         mean = np.where(odd, 0.0, moments.mean)
         spread = np.sqrt(np.maximum(moments.square - mean**2, 0.0))
-        return Normaliser(mean, np.maximum(spread, _FLOOR))
+        return Normaliser(mean, np.maximum(spread, _FLOOR), LIMIT)
 
     def sail(
         self, networks: Sequence[Mlp], normaliser: Normaliser, moments: _Moments | None = None

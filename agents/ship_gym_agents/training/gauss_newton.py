@@ -155,6 +155,7 @@ class _Search:
             vector=self._vector,
             mean=self._normaliser.mean,
             scale=self._normaliser.scale,
+            limit=np.array(self._normaliser.limit),
             weights=weights,
             counts=np.array([self._iterations, self._idle, self.samples]),
             damping=np.array(self._damping),
@@ -163,7 +164,7 @@ class _Search:
     def _load(self, file: Path) -> None:
         with np.load(file, allow_pickle=False) as state:
             self._vector, self._damping = state["vector"], float(state["damping"])
-            self._normaliser = Normaliser(state["mean"], state["scale"])
+            self._normaliser = Normaliser(state["mean"], state["scale"], float(state["limit"]))
             self._iterations, self._idle, self._sailed_before = state["counts"].tolist()
             weights = state["weights"]
         self._weights = weights if len(weights) else None

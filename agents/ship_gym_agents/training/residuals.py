@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.conventions import DELTA, FLOW_TORQUE, N, PSI, U, X, Y, wrap_angle
+from ship_gym.conventions import DELTA, FLOW_TORQUE, PSI, N, U, X, Y, wrap_angle
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.physics.propeller import shaft_power
 from ship_gym.ships.particulars import Ship
