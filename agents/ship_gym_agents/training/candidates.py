@@ -115,6 +115,8 @@ class Voyages:
         For its names and signs.
     seeds : list of int
         Of the episodes, training seeds drawn by the seed of the run.
+    price_of_travel : float
+        What a policy is chosen by beside the score of its task [unit of the score h/deg].
     samples : int
         Intervals sailed so far, of all episodes.
     """
@@ -139,6 +141,7 @@ class Voyages:
         draws = [seeding.np_random(seed)[0].random(batch.n_draws) for seed in self.seeds]
         self._draws, self.samples = np.stack(draws), 0
         self.helm = self._helm(batch)
+        self.price_of_travel = residuals_of(batch, self._options).price_of_travel
 
     def _batch(self, candidates: int) -> EpisodeBatch:
         n = candidates * len(self.seeds)

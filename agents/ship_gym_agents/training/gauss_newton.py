@@ -74,6 +74,8 @@ class _Search:
         self._run, self._options = run, config.hyperparameters.algorithm
         self._voyages = Voyages(config)
         self._layout = Layout(self._voyages.helm, network.hidden, network.activation)
+        # the base is the first policy that is judged: less travel at the same score is a gain
+        run.score = run.score._replace(price=self._voyages.price_of_travel)
         self._sailed_before = 0
         if run.checkpoint is not None:
             self._load(run.checkpoint / _STATE)

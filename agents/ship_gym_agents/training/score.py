@@ -27,19 +27,25 @@ class Score(NamedTuple):
         As in the metrics of the task; `better` is "lower" or "higher".
     limit : float, optional
         Rudder travel that should not be exceeded [deg/h].
+    price : float
+        Of rudder travel, added to the mean [unit h/deg].
     """
 
     name: str
     unit: str
     better: str
     limit: float | None = None
+    price: float = 0.0
 
     @property
     def text(self) -> str:
         """The rule in words."""
         unit = "" if self.unit == "-" else f" [{self.unit}]"
         held = "" if self.limit is None else f"rudder travel up to {self.limit:.4g} deg/h, then "
-        return f"fewest failures, then {held}mean {self.name}{unit}, {self.better} is better"
+        priced = f" + {self.price:.3g} rudder travel [deg/h]" if self.price else ""
+        return (
+            f"fewest failures, then {held}mean {self.name}{unit}{priced}, {self.better} is better"
+        )
 
     def key(self, found: Mapping[str, Any]) -> tuple[float, bool, float, float]:
         """Sort key of a validation: the best is the smallest.
@@ -51,7 +57,7 @@ class Score(NamedTuple):
         return (
             -found["success"],
             above,
-            np.inf if value is None else sign * value,
+            np.inf if value is None else sign * value + self.price * found["rudder_travel"],
             -found["return"],
         )
 

@@ -85,3 +85,10 @@ def test_voyage_at_free_speed_is_judged_by_its_energy():
     economy = load_scenario("track_economy")
     assert score_of(economy).name == "voyage_energy" and score_of(economy).better == "lower"
     assert score_of(load_scenario("track_following")).name == "rms_route"
+
+
+def test_price_of_travel_counts_beside_the_score():
+    priced = LOWER._replace(price=1e-3)
+    assert priced.key(found(3.1, travel=500.0)) < priced.key(found(3.0, travel=900.0))
+    assert LOWER.key(found(3.1, travel=500.0)) > LOWER.key(found(3.0, travel=900.0))
+    assert "+ 0.001 rudder travel [deg/h]" in priced.text
