@@ -1,0 +1,157 @@
+"""Learner: what PPO learns from one rollout, apart from the environments that it came from."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3.common.buffers import RolloutBuffer
+from stable_baselines3.common.policies import ActorCriticPolicy
+from stable_baselines3.common.utils import explained_variance
+
+_COLUMNS = ("observations", "actions", "log_probs", "advantages", "returns")
+
+
+@dataclasses.dataclass
+class Rollout:
+    """What was recorded in one rollout.
+
+    Attributes
+    ----------
+    buffer : RolloutBuffer
+        Without values and advantages yet: the critic gives them when learning begins.
+    log_std : Tensor
+        Logarithm of the standard deviation of the actions, shape (n_actions,).
+    last_observations : array
+        (n, n_observations), after the last step.
+    last_dones : array
+        (n,) bool, of the last step.
+    cut_off : list of (int, int, array)
+        Step, environment and last observation of the episodes that ended by time alone.
+    """
+
+    buffer: RolloutBuffer
+    log_std: torch.Tensor
+    last_observations: np.ndarray
+    last_dones: np.ndarray
+    cut_off: list[tuple[int, int, np.ndarray]] = dataclasses.field(default_factory=list)
+
+
+@dataclasses.dataclass
+class Learner:
+    """The loss of stable-baselines3's PPO, and the steps on it.
+
+    Values are computed once for a whole rollout and a rollout is shuffled once per epoch.
+
+    Attributes
+    ----------
+    policy : ActorCriticPolicy
+        Changed in place, with its optimizer.
+    n_epochs, batch_size, ent_coef, vf_coef, max_grad_norm, normalize_advantage
+        As in ``stable_baselines3.PPO``.
+    clip : float
+        Clipping of the ratio.
+    seed : int
+        Of the order of the samples.
+    """
+
+    policy: ActorCriticPolicy
+    n_epochs: int
+    batch_size: int
+    ent_coef: float
+    vf_coef: float
+    max_grad_norm: float
+    normalize_advantage: bool
+    clip: float
+    seed: int
+
+    def learn(self, rollout: Rollout) -> dict[str, float]:
+        """Learn from a rollout; parts of the loss, means over the last epoch, and other numbers."""
+        buffer = rollout.buffer
+        self._judge(rollout)
+        self.policy.set_training_mode(True)
+        data = {name: _flat(getattr(buffer, name)) for name in _COLUMNS}
+        count = len(data["advantages"])
+        shuffling = torch.Generator().manual_seed(self.seed)
+        found: list[dict[str, torch.Tensor]] = []
+        with self._explored(rollout.log_std):
+            for _ in range(self.n_epochs):
+                order = torch.randperm(count, generator=shuffling)
+                mixed = {name: values[order] for name, values in data.items()}
+                found = [
+                    self._step({name: v[i : i + self.batch_size] for name, v in mixed.items()})
+                    for i in range(0, count, self.batch_size)
+                ]
+        means = {name: float(np.mean([one[name].item() for one in found])) for name in found[0]}
+        explained = explained_variance(buffer.values.flatten(), buffer.returns.flatten())
+        return {**means, "explained_variance": float(explained)}
+
+    def _judge(self, rollout: Rollout) -> None:
+        """Set values and advantages, by the critic as it is now."""
+        buffer = rollout.buffer
+        self.policy.set_training_mode(False)
+        values = self._values(buffer.observations.reshape(-1, *buffer.obs_shape))
+        buffer.values[:] = values.reshape(buffer.values.shape)
+        if rollout.cut_off:
+            steps, envs, last = zip(*rollout.cut_off, strict=True)
+            buffer.rewards[list(steps), list(envs)] += buffer.gamma * self._values(np.stack(last))
+        after = torch.from_numpy(self._values(rollout.last_observations))
+        buffer.compute_returns_and_advantage(after, rollout.last_dones)
+
+    def _values(self, observations: np.ndarray) -> np.ndarray:
+        with torch.no_grad():
+            return self.policy.predict_values(torch.from_numpy(observations))[:, 0].numpy()
+
+    @contextlib.contextmanager
+    def _explored(self, log_std: torch.Tensor) -> Iterator[None]:
+        """A width of exploration that is set, not learned, is that of the rollout."""
+        own = self.policy.log_std
+        if own.requires_grad:
+            yield
+            return
+        now = own.clone()
+        own.copy_(log_std)
+        yield
+        own.copy_(now)
+
+    def _step(self, batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+        """One step of the optimizer on the loss of a minibatch; its parts, for the log."""
+        policy, low, high = self.policy, 1.0 - self.clip, 1.0 + self.clip
+        values, log_prob, entropy = policy.evaluate_actions(batch["observations"], batch["actions"])
+        advantages = batch["advantages"]
+        if self.normalize_advantage and len(advantages) > 1:
+            advantages = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
+        log_ratio = log_prob - batch["log_probs"]
+        ratio = log_ratio.exp()
+        policy_loss = -torch.min(advantages * ratio, advantages * ratio.clamp(low, high)).mean()
+        value_loss = torch.nn.functional.mse_loss(values[:, 0], batch["returns"])
+        entropy_loss = -entropy.mean()
+        loss = policy_loss + self.ent_coef * entropy_loss + self.vf_coef * value_loss
+        policy.optimizer.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(policy.parameters(), self.max_grad_norm)
+        policy.optimizer.step()
+        with torch.no_grad():
+            return {
+                "loss": loss.detach(),
+                "policy_gradient_loss": policy_loss.detach(),
+                "value_loss": value_loss.detach(),
+                "entropy_loss": entropy_loss.detach(),
+                "approx_kl": (ratio - 1.0 - log_ratio).mean(),
+                "clip_fraction": ((ratio - 1.0).abs() > self.clip).float().mean(),
+            }
+
+
+def take_over(policy: Any, learned: Any) -> None:
+    """Give a policy the weights and the optimizer's state of another one."""
+    policy.load_state_dict(learned.state_dict())
+    policy.optimizer.load_state_dict(learned.optimizer.state_dict())
+
+
+def _flat(array: np.ndarray) -> torch.Tensor:
+    """All steps and environments of a rollout in one row."""
+    return torch.from_numpy(array.reshape(-1, *array.shape[2:]))
