@@ -19,11 +19,18 @@ def test_names_in_any_case(name):
 
 
 def test_a_partial_file_then_single_settings(tmp_path):
-    (tmp_path / "own.toml").write_text("[training]\ngamma = 0.9\nenvs = 7\n[network]\nhidden = []\n")
+    (tmp_path / "own.toml").write_text(
+        "[training]\ngamma = 0.9\nenvs = 7\n[network]\nhidden = []\n"
+    )
     hyper = load_hyperparameters(
         "ppo",
         tmp_path / "own.toml",
-        settings={"training.gamma": 0.95, "form.action": "increment", "price.limit": 900, "price.rate": 0.1},
+        settings={
+            "training.gamma": 0.95,
+            "form.action": "increment",
+            "price.limit": 900,
+            "price.rate": 0.1,
+        },
     )
     package = load_hyperparameters("ppo")
     assert hyper.training.gamma == 0.95 and hyper.training.envs == 7
