@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,6 +14,8 @@ from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.utils import explained_variance
 
+# Largest weight of a sample that other weights sailed: one alone shall not decide a step.
+_HEAVIEST = 2.0
 _COLUMNS = ("observations", "actions", "log_probs", "advantages", "returns")
 
 
@@ -57,6 +60,12 @@ class Learner:
         Clipping of the ratio.
     seed : int
         Of the order of the samples.
+    lagging : bool
+        Whether earlier weights than those of `policy` sailed. The loss then has two old policies,
+        as Hilton, Cobbe and Schulman, Batch size-invariance for policy optimization (NeurIPS 2022),
+        decouple them: the ratio that is clipped compares with the policy as learning begins, and a
+        weight, constant during learning, takes the samples from the policy that sailed to that one.
+        With one ratio to the policy that sailed, clipping would let almost nothing be learned.
     """
 
     policy: ActorCriticPolicy
@@ -68,17 +77,28 @@ class Learner:
     normalize_advantage: bool
     clip: float
     seed: int
+    lagging: bool
 
     def learn(self, rollout: Rollout) -> dict[str, float]:
-        """Learn from a rollout; parts of the loss, means over the last epoch, and other numbers."""
-        buffer = rollout.buffer
+        """Learn from a rollout.
+
+        Returns
+        -------
+        dict
+            Parts of the loss, means over the last epoch; ``explained_variance`` of the returns;
+            ``seconds`` that it took.
+        """
+        start, buffer = time.perf_counter(), rollout.buffer
         self._judge(rollout)
         self.policy.set_training_mode(True)
-        data = {name: _flat(getattr(buffer, name)) for name in _COLUMNS}
-        count = len(data["advantages"])
         shuffling = torch.Generator().manual_seed(self.seed)
         found: list[dict[str, torch.Tensor]] = []
         with self._explored(rollout.log_std):
+            weights = (
+                self._weigh(buffer) if self.lagging else torch.ones(buffer.actions[..., 0].size)
+            )
+            data = {name: _flat(getattr(buffer, name)) for name in _COLUMNS} | {"weights": weights}
+            count = len(weights)
             for _ in range(self.n_epochs):
                 order = torch.randperm(count, generator=shuffling)
                 mixed = {name: values[order] for name, values in data.items()}
@@ -86,9 +106,11 @@ class Learner:
                     self._step({name: v[i : i + self.batch_size] for name, v in mixed.items()})
                     for i in range(0, count, self.batch_size)
                 ]
+        self.policy.action_dist.distribution = None  # the graph of the last minibatch
         means = {name: float(np.mean([one[name].item() for one in found])) for name in found[0]}
         explained = explained_variance(buffer.values.flatten(), buffer.returns.flatten())
-        return {**means, "explained_variance": float(explained)}
+        spent = time.perf_counter() - start
+        return {**means, "explained_variance": float(explained), "seconds": spent}
 
     def _judge(self, rollout: Rollout) -> None:
         """Set values and advantages, by the critic as it is now."""
@@ -101,6 +123,14 @@ class Learner:
             buffer.rewards[list(steps), list(envs)] += buffer.gamma * self._values(np.stack(last))
         after = torch.from_numpy(self._values(rollout.last_observations))
         buffer.compute_returns_and_advantage(after, rollout.last_dones)
+
+    def _weigh(self, buffer: RolloutBuffer) -> torch.Tensor:
+        """Put the log-probabilities of now in place of those of sailing; the ratio of both."""
+        with torch.no_grad():
+            now = self.policy.evaluate_actions(_flat(buffer.observations), _flat(buffer.actions))[1]
+        ratio = (now - _flat(buffer.log_probs)).exp()
+        buffer.log_probs[:] = now.numpy().reshape(buffer.log_probs.shape)
+        return ratio.clamp(max=_HEAVIEST)
 
     def _values(self, observations: np.ndarray) -> np.ndarray:
         with torch.no_grad():
@@ -127,7 +157,8 @@ class Learner:
             advantages = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
         log_ratio = log_prob - batch["log_probs"]
         ratio = log_ratio.exp()
-        policy_loss = -torch.min(advantages * ratio, advantages * ratio.clamp(low, high)).mean()
+        gain = torch.min(advantages * ratio, advantages * ratio.clamp(low, high))
+        policy_loss = -(batch["weights"] * gain).mean()
         value_loss = torch.nn.functional.mse_loss(values[:, 0], batch["returns"])
         entropy_loss = -entropy.mean()
         loss = policy_loss + self.ent_coef * entropy_loss + self.vf_coef * value_loss

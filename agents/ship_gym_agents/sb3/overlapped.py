@@ -1,9 +1,9 @@
 """PPO of stable-baselines3 that sails the next rollout while it learns from the last one.
 
 Learning is done by a process of its own, on a second core. The next rollout is sailed at the same
-time by the weights of before: a lag of one rollout, of which the ratio of the loss takes account,
-since it compares with the weights that sailed. The lag does not depend on the machine: on one core
-the same is done one after the other, with the same numbers.
+time by the weights of before: a lag of one rollout, of which the loss takes account, see `Learner`.
+The lag does not depend on the machine: on one core the same is done one after the other, with the
+same numbers.
 """
 
 from __future__ import annotations
@@ -60,6 +60,8 @@ class OverlappedPPO(PPO):
                 raise ConfigError(f"{name} = {options[name]!r}: OverlappedPPO does not have it")
         self.overlap = overlap
         self.second_core = cores() > 1 if second_core is None else second_core
+        self.learned: dict[str, float] = {}  # what learning from the last rollout gave
+        self.side_by_side = False  # whether that was done by the second process
         network = dict(options.pop("policy_kwargs", None) or {})
         network.setdefault("optimizer_kwargs", {"eps": 1e-5, "fused": True})
         super().__init__(*args, policy_kwargs=network, **{"device": "cpu", **options})
@@ -152,19 +154,21 @@ class OverlappedPPO(PPO):
         return Learner(
             self.policy, self.n_epochs, self.batch_size, self.ent_coef, self.vf_coef,
             self.max_grad_norm, self.normalize_advantage, clip, int(torch.randint(2**62, ())),
+            self.overlap,
         )  # fmt: skip
 
     def _learn_from(
         self, rollout: Rollout, learner: Learner, started: Future | None = None
     ) -> None:
         """Learn from a rollout, unless that has been started elsewhere, and record how it went."""
-        found = None
+        found, self.side_by_side = None, started is not None
         if started is not None:
             with contextlib.suppress(Gone):
                 policy, found = started.result()
                 take_over(self.policy, policy)
         if found is None:
             found = learner.learn(rollout)
+        self.learned = found
         self._n_updates += self.n_epochs
         std = self.policy.log_std.detach().exp().mean().item()
         for name, value in {**found, "std": std, "clip_range": learner.clip}.items():
