@@ -58,7 +58,9 @@ class _Clock(BaseCallback):
         return len(self.walls) < self._wanted
 
 
-def throughput(rollouts: int = 4, beside: int = 1, **given: Any) -> dict[str, Any]:
+def throughput(
+    rollouts: int = 4, beside: int = 1, progress: Callable | None = None, **given: Any
+) -> dict[str, Any]:
     """Train by PPO for some rollouts, as a run does and as stable-baselines3 does by itself.
 
     Parameters
@@ -67,6 +69,8 @@ def throughput(rollouts: int = 4, beside: int = 1, **given: Any) -> dict[str, An
         Those timed, after the second process has started (where there is a second core).
     beside : int
         Rollouts of stable-baselines3's PPO over ``DummyVecEnv``; 0: none.
+    progress : callable, optional
+        Wraps what is measured, as ``tqdm`` does; also gets a text.
     **given
         As in ``config.run_config``; the algorithm is PPO.
 
@@ -84,8 +88,9 @@ def throughput(rollouts: int = 4, beside: int = 1, **given: Any) -> dict[str, An
     before = torch.get_num_threads()
     torch.set_num_threads(training.threads)
     try:
-        ours = _measured(_own(config), rollouts)
-        plain = _measured(_plain(config), beside) if beside else {}
+        jobs = [(_own, rollouts), *([(_plain, beside)] if beside else [])]
+        shown = progress(jobs, "training") if progress else jobs
+        ours, plain = [*(_measured(make(config), count) for make, count in shown), {}][:2]
     finally:
         torch.set_num_threads(before)
     if plain:
