@@ -8,8 +8,10 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
+import gymnasium
 import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
@@ -17,7 +19,8 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
-from ship_gym.envs.env import ShipEnv
+from ship_gym.tasks import TASKS
+from ship_gym.tasks.base import env_id
 from ship_gym_agents.sb3.algorithms import TORCH_ACTIVATIONS, make_model
 from ship_gym_agents.sb3.config import RunConfig, run_config
 from ship_gym_agents.sb3.environments import make_env
@@ -59,7 +62,7 @@ class _Clock(BaseCallback):
 
 
 def throughput(
-    rollouts: int = 4, beside: int = 1, progress: Callable | None = None, **given: Any
+    rollouts: int = 4, beside: int = 2, progress: Callable | None = None, **given: Any
 ) -> dict[str, Any]:
     """Train by PPO for some rollouts, as a run does and as stable-baselines3 does by itself.
 
@@ -138,12 +141,14 @@ def _own(config: RunConfig) -> BaseAlgorithm:
 def _plain(config: RunConfig) -> PPO:
     """Same task, network and numbers of samples, as stable-baselines3's own documentation has it.
 
-    The scalar environments one after the other; nothing of this package's training.
+    The scalar environments of ``gymnasium.make`` one after the other; nothing of our training.
     """
     hyper = config.hyperparameters
     training, network = hyper.training, hyper.network
     overrides = {"duration": training.episode or config.scenario.duration, **training.overrides}
-    envs = [lambda: Monitor(ShipEnv(scenario=config.scenario, overrides=overrides))] * training.envs
+    name = env_id(config.scenario.task, TASKS.versions[config.scenario.task])
+    made = partial(gymnasium.make, name, scenario=config.scenario, overrides=overrides)
+    envs = [lambda: Monitor(made())] * training.envs
     kinds = {"pi": list(network.hidden), "vf": list(network.critic or network.hidden)}
     return PPO(
         "MlpPolicy",
