@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from stable_baselines3.common.utils import explained_variance
 
 # Largest weight of a sample that other weights sailed: one alone shall not decide a step.
 _HEAVIEST = 2.0
+_HALF_LOG_2_PI = 0.5 * math.log(2.0 * math.pi)
 _COLUMNS = ("observations", "actions", "log_probs", "advantages", "returns")
 
 
@@ -88,28 +90,27 @@ class Learner:
             Parts of the loss, means over the last epoch; ``explained_variance`` of the returns;
             ``seconds`` that it took.
         """
-        start, buffer = time.perf_counter(), rollout.buffer
+        began, buffer = time.perf_counter(), rollout.buffer
         self._judge(rollout)
         self.policy.set_training_mode(True)
+        self._parameters = list(self.policy.parameters())
         shuffling = torch.Generator().manual_seed(self.seed)
-        found: list[dict[str, torch.Tensor]] = []
+        found: list[dict[str, float]] = []
         with self._explored(rollout.log_std):
-            weights = (
-                self._weigh(buffer) if self.lagging else torch.ones(buffer.actions[..., 0].size)
-            )
+            weights = self._weigh(buffer) if self.lagging else torch.ones(buffer.rewards.size)
             data = {name: _flat(getattr(buffer, name)) for name in _COLUMNS} | {"weights": weights}
             count = len(weights)
-            for _ in range(self.n_epochs):
+            for epoch in range(self.n_epochs):
                 order = torch.randperm(count, generator=shuffling)
                 mixed = {name: values[order] for name, values in data.items()}
-                found = [
-                    self._step({name: v[i : i + self.batch_size] for name, v in mixed.items()})
-                    for i in range(0, count, self.batch_size)
-                ]
-        self.policy.action_dist.distribution = None  # the graph of the last minibatch
-        means = {name: float(np.mean([one[name].item() for one in found])) for name in found[0]}
+                for start in range(0, count, self.batch_size):
+                    rows = slice(start, start + self.batch_size)
+                    parts = self._step({name: values[rows] for name, values in mixed.items()})
+                    if epoch == self.n_epochs - 1:
+                        found.append(parts())
+        means = {name: float(np.mean([one[name] for one in found])) for name in found[0]}
         explained = explained_variance(buffer.values.flatten(), buffer.returns.flatten())
-        spent = time.perf_counter() - start
+        spent = time.perf_counter() - began
         return {**means, "explained_variance": float(explained), "seconds": spent}
 
     def _judge(self, rollout: Rollout) -> None:
@@ -126,8 +127,11 @@ class Learner:
 
     def _weigh(self, buffer: RolloutBuffer) -> torch.Tensor:
         """Put the log-probabilities of now in place of those of sailing; the ratio of both."""
+        policy = self.policy
         with torch.no_grad():
-            now = self.policy.evaluate_actions(_flat(buffer.observations), _flat(buffer.actions))[1]
+            means, _ = outputs(policy, _flat(buffer.observations))
+            away = (_flat(buffer.actions) - means) * (-policy.log_std).exp()
+            now = log_density(away, policy.log_std)
         ratio = (now - _flat(buffer.log_probs)).exp()
         buffer.log_probs[:] = now.numpy().reshape(buffer.log_probs.shape)
         return ratio.clamp(max=_HEAVIEST)
@@ -148,33 +152,61 @@ class Learner:
         yield
         own.copy_(now)
 
-    def _step(self, batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
-        """One step of the optimizer on the loss of a minibatch; its parts, for the log."""
+    def _step(self, batch: dict[str, torch.Tensor]) -> Callable[[], dict[str, float]]:
+        """One step of the optimizer on the loss of a minibatch; what gives its parts."""
         policy, low, high = self.policy, 1.0 - self.clip, 1.0 + self.clip
-        values, log_prob, entropy = policy.evaluate_actions(batch["observations"], batch["actions"])
+        means, values = outputs(policy, batch["observations"])
+        away = (batch["actions"] - means) * (-policy.log_std).exp()
         advantages = batch["advantages"]
         if self.normalize_advantage and len(advantages) > 1:
             advantages = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
-        log_ratio = log_prob - batch["log_probs"]
+        log_ratio = log_density(away, policy.log_std) - batch["log_probs"]
         ratio = log_ratio.exp()
         gain = torch.min(advantages * ratio, advantages * ratio.clamp(low, high))
         policy_loss = -(batch["weights"] * gain).mean()
-        value_loss = torch.nn.functional.mse_loss(values[:, 0], batch["returns"])
-        entropy_loss = -entropy.mean()
+        value_loss = torch.nn.functional.mse_loss(values, batch["returns"])
+        entropy_loss = -(policy.log_std + 0.5 + _HALF_LOG_2_PI).sum()
         loss = policy_loss + self.ent_coef * entropy_loss + self.vf_coef * value_loss
         policy.optimizer.zero_grad()
         loss.backward()
-        torch.nn.utils.clip_grad_norm_(policy.parameters(), self.max_grad_norm)
+        torch.nn.utils.clip_grad_norm_(self._parameters, self.max_grad_norm)
         policy.optimizer.step()
-        with torch.no_grad():
-            return {
-                "loss": loss.detach(),
-                "policy_gradient_loss": policy_loss.detach(),
-                "value_loss": value_loss.detach(),
-                "entropy_loss": entropy_loss.detach(),
-                "approx_kl": (ratio - 1.0 - log_ratio).mean(),
-                "clip_fraction": ((ratio - 1.0).abs() > self.clip).float().mean(),
-            }
+        return lambda: {
+            "loss": loss.item(),
+            "policy_gradient_loss": policy_loss.item(),
+            "value_loss": value_loss.item(),
+            "entropy_loss": entropy_loss.item(),
+            "approx_kl": (ratio - 1.0 - log_ratio).mean().item(),
+            "clip_fraction": ((ratio - 1.0).abs() > self.clip).float().mean().item(),
+        }
+
+
+def outputs(policy: Any, observations: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    """Mean actions (count, n_actions) and values (count,) of a policy.
+
+    As its ``evaluate_actions`` has them, without the objects of a distribution, which cost much
+    of the time of a minibatch.
+    """
+    features = policy.extract_features(observations)
+    if policy.share_features_extractor:
+        actor, critic = policy.mlp_extractor(features)
+    else:
+        actor = policy.mlp_extractor.forward_actor(features[0])
+        critic = policy.mlp_extractor.forward_critic(features[1])
+    return policy.action_net(actor), policy.value_net(critic)[:, 0]
+
+
+def log_density(away: torch.Tensor, log_std: torch.Tensor) -> torch.Tensor:
+    """Logarithm of the Gaussian density of actions, the last axis summed.
+
+    Parameters
+    ----------
+    away : Tensor
+        From the mean, in standard deviations, shape (..., n_actions).
+    log_std : Tensor
+        Shape (n_actions,).
+    """
+    return -0.5 * away.square().sum(-1) - (log_std + _HALF_LOG_2_PI).sum()
 
 
 def take_over(policy: Any, learned: Any) -> None:

@@ -22,7 +22,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.distributions import DiagGaussianDistribution
 
 from ship_gym.config import ConfigError
-from ship_gym_agents.sb3.learner import Learner, Rollout, take_over
+from ship_gym_agents.sb3.learner import Learner, Rollout, log_density, take_over
 from ship_gym_agents.sb3.learner_process import Gone, LearnerProcess
 
 # A run that ends sooner [s] has nothing from the second process, whose start takes that long.
@@ -140,8 +140,7 @@ class OverlappedPPO(PPO):
                 self._update_info_buffer([infos[i]], dones[[i]])
                 if infos[i].get("TimeLimit.truncated", False):
                     cut_off.append((k, int(i), infos[i]["terminal_observation"]))
-        density = -0.5 * noise**2 - log_std - 0.5 * np.log(2.0 * np.pi)
-        buffer.log_probs[:] = density.sum(-1).numpy()
+        buffer.log_probs[:] = log_density(noise, log_std).numpy()
         buffer.pos, buffer.full = self.n_steps, True
         self._last_obs, self._last_episode_starts, self.rollout_buffer = seen, dones, buffer
         callback.on_rollout_end()
