@@ -98,14 +98,12 @@ def serve() -> None:
     import ship_gym_agents.sb3.learner  # before the first rollout, which waits for it
     import ship_gym_agents.sb3.networks  # noqa: F401
 
-    _send("hello", out)
-    while True:
-        try:
+    with contextlib.suppress(EOFError, BrokenPipeError, pickle.UnpicklingError):  # the run ended
+        _send("hello", out)
+        while True:
             threads, learner, rollout = pickle.load(sys.stdin.buffer)
-        except EOFError:
-            return
-        torch.set_num_threads(threads)
-        _send(_answer(learner, rollout), out)
+            torch.set_num_threads(threads)
+            _send(_answer(learner, rollout), out)
 
 
 def _answer(learner: Learner, rollout: Rollout) -> tuple[bool, Any]:
