@@ -104,13 +104,15 @@ def test_scripts_are_the_verbs(monkeypatch, capsys, verb, script):
         (["train", "--envs", "0"], ["--envs = 0: allowed is 1 to 100000"]),
         (["train", "--steps", "many"], ["--steps = many: must be a whole number"]),
         (["train", "--seed", "-1"], ["--seed = -1: allowed is 0 to 4294967295"]),
-        (["train", "--algorithm", "dqn"], ["algorithm 'dqn'", "Known: ppo, sac, td3"]),
+        (["train", "--algo", "a2c"], ["algorithm 'a2c'", "Known: dqn, gauss_newton, ppo"]),
         (["train", "--ship", "kcz"], ["did you mean 'kcs'"]),
         (["train", "--set", "duration"], ["--set duration: must be KEY=VALUE"]),
         (["train", "--set", "sea.wnd=1"], ["unknown key 'wnd'"]),
         (["train", "--set", "a=1", "a=2"], ["a is given twice"]),
         (["train", "--out", "file"], ["file is a file, not a folder"]),
         (["train", "--resume"], ["no run to resume"]),
+        (["train", "--recipe", "none"], ["unknown recipe 'none'"]),
+        (["train", "--set", "training.gama=1"], ["unknown key 'gama'; did you mean 'gamma'"]),
         (["tune", "--generations", "0"], ["--generations = 0: allowed is 1 to 10000"]),
         (["tune", "--out", "g.toml"], ["name one controller and one ship"]),
         (["tune", "--ship", "kcs", "--out", "g.json"], ["--out g.json: allowed is a .toml file"]),
@@ -281,7 +283,10 @@ def test_list_tells_what_can_be_named(cli):
         *("ships", "scenarios", "tasks", "controllers", "surrogates", "seas")
     }
     assert found["scenarios"]["track_zigzag"] == "track_following"
-    assert found["controllers"]["ppo_kcs"] == "trained policy" and found["controllers"]["pid"]
+    assert (
+        "ppo for kcs in heading_keeping" in found["controllers"]["ppo_kcs"]
+        and found["controllers"]["pid"]
+    )
     assert found["surrogates"]["G2_SA"] == "default"
     assert all(found["ships"].values()) and "heading_keeping" in found["tasks"]
     code, out, _ = cli("list", "surrogates", "--ship", "onrt", "seas")

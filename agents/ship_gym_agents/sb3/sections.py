@@ -61,6 +61,9 @@ class Training:
         and forces), which the finished policy never needs.
     overrides : dict
         Keys of the scenario, dotted or nested, that hold in training only.
+    wear : float
+        What a deg/h of rudder travel adds to the score that chooses the best policy, in the score's
+        unit (where more is better, takes from it); 0: the score alone decides.
     ships : tuple of str
         Ships that are sailed in training, in turn over the environments; none: the scenario's.
     """
@@ -74,6 +77,7 @@ class Training:
     checkpoint: float = 60.0
     critic: str = "same"
     overrides: dict[str, Any] = dataclasses.field(default_factory=dict)
+    wear: float = 0.0
     ships: tuple[str, ...] = ()
 
     def __post_init__(self):
@@ -84,6 +88,7 @@ class Training:
         check_number("training.validations", self.validations, 1, 1000)
         check_number("training.threads", self.threads, 1, 1024)
         check_number("training.checkpoint", self.checkpoint, 0.0, 1e6, "s")
+        check_number("training.wear", self.wear, 0.0, 1e6)
         check_known("training.critic", self.critic, CRITICS)
         if len(self.ships) > self.envs:
             raise ConfigError(
@@ -129,7 +134,8 @@ class Price:
     limit : str
         Travel to keep below, in deg/h or ``"base"`` for that of the base; ``""``: the price of
         travel is fixed. With a limit it is a Lagrange multiplier, which rises while the travel is
-        above it and falls to zero while it is below.
+        above it and falls to zero while it is below. The travel is that of training, exploration
+        included, so that the finished policy stays below.
     rate : float
         Change of the price [reward per deg] for a rollout whose travel is twice the limit.
     """

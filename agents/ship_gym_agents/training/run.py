@@ -84,7 +84,8 @@ class Run:
                 f"{folder.path}: its budget is used up ({self.samples} samples, "
                 f"{self.budget.seconds / 60.0:.2f} min); give more minutes or steps in all"
             )
-        self.score = score_of(config.scenario)
+        wear = config.hyperparameters.training.wear
+        self.score = score_of(config.scenario)._replace(wear=wear)
         if state:
             self.score = self.score._replace(limit=state["limit"])
         self.episodes = state["episodes"] if state else EPISODES[0]
@@ -283,6 +284,7 @@ class Run:
             "used": round(self.used, 4),
             "validation_seeds": [VALIDATION_SEED, VALIDATION_SEED + self.episodes - 1],
             "score": self.score.text,
+            "measure": {"name": self.score.name, "unit": self.score.unit},
             "validations": self.validations,
             **self._told,
         }

@@ -14,6 +14,7 @@ from ship_gym.evaluation.rollout import rollout
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.tasks import TASKS
 
+_ENERGY = "voyage_energy"
 _BESIDE = ("return", "success", "rudder_travel", "rudder_reversals")
 
 
@@ -26,19 +27,24 @@ class Score(NamedTuple):
         As in the metrics of the task; `better` is "lower" or "higher".
     limit : float, optional
         Rudder travel that should not be exceeded [deg/h].
+    wear : float
+        What a deg/h of rudder travel counts, in the unit of the measure.
     """
 
     name: str
     unit: str
     better: str
     limit: float | None = None
+    wear: float = 0.0
 
     @property
     def text(self) -> str:
         """The rule in words."""
         unit = "" if self.unit == "-" else f" [{self.unit}]"
         held = "" if self.limit is None else f"rudder travel up to {self.limit:.4g} deg/h, then "
-        return f"fewest failures, then {held}mean {self.name}{unit}, {self.better} is better"
+        sign = "+" if self.better == "lower" else "-"
+        wear = f" {sign} {self.wear:g} rudder travel [deg/h]" if self.wear else ""
+        return f"fewest failures, then {held}mean {self.name}{unit}{wear}, {self.better} is better"
 
     def key(self, found: Mapping[str, Any]) -> tuple[float, bool, float, float]:
         """Sort key of a validation: the best is the smallest.
@@ -50,16 +56,17 @@ class Score(NamedTuple):
         return (
             -found["success"],
             above,
-            np.inf if value is None else sign * value,
+            np.inf if value is None else sign * value + self.wear * found["rudder_travel"],
             -found["return"],
         )
 
 
 def score_of(scenario: Scenario) -> Score:
-    """The score of a scenario: the headline of its task."""
-    task = TASKS[scenario.task]
-    metric = metrics_of(scenario.task)[task.headline]
-    return Score(task.headline, metric.unit, metric.better)
+    """The score of a scenario: the headline of its task; the energy of a voyage at free speed."""
+    known, name = metrics_of(scenario.task), TASKS[scenario.task].headline
+    if scenario.control == "rudder+rpm" and _ENERGY in known:
+        name = _ENERGY
+    return Score(name, known[name].unit, known[name].better)
 
 
 class Validation(NamedTuple):

@@ -12,6 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from ship_gym.config import ConfigError
 from ship_gym_agents.sb3.config import RunConfig
 from ship_gym_agents.training.curves import draw_curves
 from ship_gym_agents.training.final import judge
@@ -81,6 +82,12 @@ def train(
         run = Run(config, folder, minutes, steps, resume, told, report)
         try:
             return _learner(config.algorithm)(run, init, bar, _judge(run) if final else None)
+        except ConfigError:
+            folder.free()
+            raise
+        except KeyboardInterrupt:
+            run.write("interrupted")
+            raise
         finally:
             draw_curves(folder.path)
 
