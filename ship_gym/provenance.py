@@ -11,6 +11,9 @@ import tempfile
 from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
+from typing import IO
+
+from ship_gym.config import ConfigError
 
 _PACKAGES = ("numpy", "scipy", "numba", "gymnasium", "torch", "stable-baselines3", "rerun-sdk")
 
@@ -92,3 +95,55 @@ def atomic_path(path: str | os.PathLike) -> Iterator[Path]:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def locked(path: str | os.PathLike, doing: str) -> Iterator[None]:
+    """Hold a folder by a lock file in it, which names the process; a dead one holds nothing.
+
+    Parameters
+    ----------
+    path : path-like
+        The lock file; its folder is created if missing.
+    doing : str
+        What the holder does, as in ``"trains into this folder"``.
+
+    Raises
+    ------
+    ConfigError
+        Another process holds it; says which.
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a+b") as file:
+        if not _held(file):
+            file.seek(0)
+            holder = file.read(20).decode("ascii", "replace").strip() or "unknown"
+            raise ConfigError(
+                f"{path.parent}: another process (pid {holder}) {doing}; wait for it, or give another "
+                "--out"
+            )
+        file.truncate(0)
+        file.write(f"{os.getpid()}\n".encode())
+        file.flush()
+        yield
+
+
+def _held(file: IO[bytes]) -> bool:
+    """Take the lock of a file for as long as it is open; False if another process has it."""
+    try:
+        import fcntl
+    except ImportError:  # Windows locks bytes: one far behind the number, which stays readable
+        import msvcrt
+
+        file.seek(1 << 20)
+        try:
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        return True
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True

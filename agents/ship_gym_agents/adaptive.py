@@ -20,6 +20,7 @@ from ship_gym.linear import LinearShip
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.columns import View
+from ship_gym_agents.fresh import Fresh, begun
 from ship_gym_agents.gains_files import find_gains
 from ship_gym_agents.pid import PID, Gains, gains_of
 from ship_gym_agents.reference import TUNED_TURN
@@ -135,6 +136,12 @@ class Adaptive(PID):
         )
         self._effect = np.ones(count)
 
+    def restart(self, rows: np.ndarray) -> None:
+        """Begin as the nominal ship in these rows; see `Autopilot.restart`."""
+        super().restart(rows)
+        self._schedule.restart(rows)
+        self._estimate.restart(rows)
+
     def _gains_for(self, ship: Ship, task: str) -> Gains:
         self._a = super(PID, self)._gains_for(ship, task)
         return self._a.pid
@@ -185,15 +192,19 @@ class YawEstimate:
         self._prior = firm[:, None, None] * np.diag([1.0, 1.0, 1e-3])
         self._information = np.zeros((count, 3, 3))
         self._seen = np.zeros((count, 3))
-        self._filtered = None
+        self._filtered, self._fresh = None, Fresh()
+
+    def restart(self, rows: np.ndarray) -> None:
+        """Begin as the nominal ship in these rows."""
+        self._information[rows], self._seen[rows] = 0.0, 0.0
+        self._fresh.add(rows)
 
     def __call__(self, r, v, delta) -> tuple[np.ndarray, np.ndarray]:
         """Estimated k and a by the nominal ones, shapes (count,); from one measurement."""
         now = np.stack([r, v, delta])
-        if self._filtered is None:
-            self._filtered = now
-        change = now - self._filtered
-        self._filtered = self._filtered + self._share * change
+        before = begun(self._filtered, self._fresh.take(), now)
+        change = now - before
+        self._filtered = before + self._share * change
         r_f, v_f, delta_f = self._filtered
         # (1 - filter) / time: the derivative of the filtered yaw rate
         known = (1.0 - self._share) * change[0] / self._time - self._ship.N_v * v_f

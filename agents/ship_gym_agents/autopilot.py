@@ -1,13 +1,14 @@
 """What heading autopilots have in common; each adds its own rudder law.
 
-Order of work in `Autopilot.act`: did the order change (module ``reference``), what of the measured
-motion counts (``wave_filter``), which heading to be at now (``reference``), rudder angle.
+Order of work in `Autopilot.act`. `perceive`: did the order change (module ``reference``), what of
+the measured motion counts (``wave_filter``), which heading is wanted. `steer`: which heading to be
+at now (``reference``), rudder angle. A learned guidance may stand between the two.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -18,6 +19,27 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.columns import View, action_columns, observation_columns
 from ship_gym_agents.gains_files import find_gains, find_tuned
 from ship_gym_agents.reference import OrderWatch, ReferenceModel
+
+
+class Perceived(NamedTuple):
+    """What an autopilot makes of one measurement; arrays of shape (count,).
+
+    Attributes
+    ----------
+    seen : View
+        The observations.
+    jump : numpy.ndarray
+        By how much headings less ordered heading jumped, because the order changed [rad].
+    motion : tuple
+        psi less ordered heading [rad], r', v' and rudder bias [rad], filtered.
+    wanted : numpy.ndarray
+        Wanted heading less ordered heading [rad].
+    """
+
+    seen: View
+    jump: np.ndarray
+    motion: tuple
+    wanted: np.ndarray
 
 
 class Autopilot:
@@ -39,6 +61,9 @@ class Autopilot:
         Gain, by its dotted name, to lowest, highest and first value of a tuning.
     lent_by : Ship or None
         The ship whose tuned gains steer, whatever ship sails; None: her own or those given.
+    followed : tuple
+        Heading less ordered heading [rad], r', v' and rudder angle [rad] that the last `steer`
+        led to: those of the reference model, without one the wanted heading and zeros.
     """
 
     KIND: ClassVar[str]
@@ -78,14 +103,46 @@ class Autopilot:
 
     def act(self, observations: np.ndarray) -> np.ndarray:
         """Actions in [-1, 1], shape (count, n_actions), for observations of the scenario."""
+        return self.steer(self.perceive(observations))
+
+    def restart(self, rows: np.ndarray) -> None:
+        """Begin new episodes in these rows with the next observations, the others sail on.
+
+        From then on such a row is steered as by a controller that was reset then.
+
+        Parameters
+        ----------
+        rows : numpy.ndarray
+            Indices, or a mask of shape (count,).
+        """
+        for part in (self._watch, self._filter, self._reference):
+            if hasattr(part, "restart"):
+                part.restart(rows)
+
+    def perceive(self, observations: np.ndarray) -> Perceived:
+        """Take one measurement; once an interval, before `steer`."""
         seen = self._columns.view(observations)
         measured = np.arctan2(seen.sin_error, seen.cos_error)
         jump = self._watch(measured, seen.yaw_rate)
         delta = self._felt(seen, seen.rudder * self._limit)
         motion = self._filter(measured, seen.yaw_rate, seen.sway, delta, jump)
-        wanted = self._wanted(seen, jump), 0.0, 0.0, 0.0
+        return Perceived(seen, jump, motion, self._wanted(seen, jump))
+
+    def steer(self, perceived: Perceived, offset: np.ndarray | None = None) -> np.ndarray:
+        """Actions in [-1, 1], shape (count, n_actions), for what was perceived in this interval.
+
+        Parameters
+        ----------
+        perceived : Perceived
+        offset : numpy.ndarray, optional
+            Added to the wanted heading [rad], shape (count,).
+        """
+        seen, jump, motion, aim = perceived
+        aim = aim if offset is None else aim + offset
+        wanted = aim, 0.0, 0.0, 0.0
         if self._reference is not None:
-            wanted = self._reference(wanted[0], motion[0], jump)
+            wanted = self._reference(aim, motion[0], jump)
+        self.followed = wanted
         delta = self._rudder(seen, motion, wanted)
         action = self._action.copy()
         action[:, self._rudder_column] = np.clip(delta / self._limit, -1.0, 1.0)

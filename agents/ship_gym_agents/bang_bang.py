@@ -68,5 +68,5 @@ class BangBang(Autopilot):
 
     def _rudder(self, seen: View, motion, wanted) -> np.ndarray:
         """Rudder angle [rad], one of three."""
-        error = wrapped(motion[0]) + self._g.lead * motion[1]
+        error = wrapped(motion[0] - wanted[0]) + self._g.lead * motion[1]
         return np.where(np.abs(error) > self._g.dead_band, -self._g.rudder * np.sign(error), 0.0)

@@ -14,6 +14,7 @@ import numpy as np
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.columns import View
+from ship_gym_agents.fresh import Fresh, begun
 from ship_gym_agents.los import LOSPID
 from ship_gym_agents.pid import Gains
 
@@ -48,7 +49,13 @@ class DriftLOS(LOSPID):
         super().reset(count, ship, scenario)
         self._drift = np.zeros((2, count))
         self._taken = np.zeros((2, count))  # measurements in it
-        self._to_go = None
+        self._to_go, self._fresh = None, Fresh()
+
+    def restart(self, rows: np.ndarray) -> None:
+        """Forget the drift of these rows; see `Autopilot.restart`."""
+        super().restart(rows)
+        self._drift[:, rows], self._taken[:, rows] = 0.0, 0.0
+        self._fresh.add(rows)
 
     def _wanted(self, seen: View, jump: np.ndarray) -> np.ndarray:
         along, across = self._estimate(seen, jump)
@@ -63,13 +70,14 @@ class DriftLOS(LOSPID):
         c, s = np.cos(jump), np.sin(jump)
         along, across = self._drift
         self._drift = np.stack([along * c - across * s, along * s + across * c])
-        made = np.zeros(len(seen)) if self._to_go is None else (self._to_go - seen.to_go)
-        made, first = made / self._step, self._to_go is None
+        first = self._fresh.take()
+        made = (begun(self._to_go, first, seen.to_go) - seen.to_go) / self._step
         self._to_go = seen.to_go.copy()
         sailed = seen.surge * np.stack([seen.cos_error, seen.sin_error])
         measured = np.stack([made, seen.cross_track_rate]) - sailed
         known = np.ones(measured.shape, dtype=np.bool_)
-        known[0] = (not first) & (jump == 0.0) & (np.abs(made) < _FASTEST)
+        known[0] = (jump == 0.0) & (np.abs(made) < _FASTEST)
+        known[0, first] = False
         known[0] &= (seen.to_go < _FARTHEST) & (seen.to_go > _BEHIND)
         # the mean of the first measurements, then of the last ones over `drift_time`
         self._taken += known

@@ -124,6 +124,11 @@ class ILOS(LOSPID):
         super().reset(count, ship, scenario)
         self._drift = np.zeros(count)
 
+    def restart(self, rows: np.ndarray) -> None:
+        """Clear the integrals of these rows; see `Autopilot.restart`."""
+        super().restart(rows)
+        self._drift[rows] = 0.0
+
     def _wanted(self, seen: View, jump: np.ndarray) -> np.ndarray:
         p, (turn, cross) = self._g.guidance, self._leg(seen)
         self._drift = self._drift * np.cos(jump)

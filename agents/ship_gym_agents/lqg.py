@@ -131,6 +131,11 @@ class LQG(Autopilot):
         self._K = regulators(self._g, self._step)
         self._schedule = RudderEffect(ship, self._step)
 
+    def restart(self, rows: np.ndarray) -> None:
+        """Begin anew in these rows; see `Autopilot.restart`."""
+        super().restart(rows)
+        self._schedule.restart(rows)
+
     def _felt(self, seen: View, delta: np.ndarray) -> np.ndarray:
         """Rudder angle [rad] at which the nominal ship would turn as this one does."""
         self._effect = self._schedule(seen) ** self._g.schedule

@@ -112,6 +112,7 @@ class MPC(Autopilot):
 
     KIND = "mpc"
     needs = (*Autopilot.needs, *NEEDS)
+    restart = None  # a solver goes on from its last plan: no row of it begins anew
     # one file has the gains of both: neither gets one of its own
     GENERAL: ClassVar[tuple[str, ...]] = ("heading_keeping", "track_following")
     TUNED: ClassVar = {

@@ -183,6 +183,11 @@ class PID(Autopilot):
         self._integral = np.zeros(count)
         self._most = self._limit  # rudder angle of this law at which the rudder is hard over
 
+    def restart(self, rows: np.ndarray) -> None:
+        """Clear the integrals of these rows; see `Autopilot.restart`."""
+        super().restart(rows)
+        self._integral[rows] = 0.0
+
     def _rudder(self, seen: View, motion, wanted) -> np.ndarray:
         """Rudder angle [rad] that may exceed the largest; takes the integral one interval on."""
         g = self._g

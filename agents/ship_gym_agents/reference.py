@@ -12,6 +12,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import wrap_angle
+from ship_gym_agents.fresh import Fresh, begun
 from ship_gym_agents.wave_filter import LinearShip, check_gains
 
 # Sensor noise (gyro 0.1 deg, five standard deviations of a difference) and the curvature of a turn
@@ -27,7 +28,11 @@ class OrderWatch:
     """
 
     def __init__(self, step: float):
-        self._step, self._before = step, None
+        self._step, self._before, self._fresh = step, (None, None), Fresh()
+
+    def restart(self, rows: np.ndarray) -> None:
+        """Begin anew in these rows with the next measurement."""
+        self._fresh.add(rows)
 
     def __call__(self, psi: np.ndarray, r: np.ndarray) -> np.ndarray:
         """By how much the error jumped because the order changed [rad], shape (count,); mostly 0.
@@ -39,11 +44,14 @@ class OrderWatch:
         r : numpy.ndarray
             Yaw rate r' as measured, shape (count,).
         """
-        jump = np.zeros(len(psi))
-        if self._before is not None:
-            turned = 0.5 * (r + self._before[1]) * self._step
-            jump = wrap_angle(psi - self._before[0] - turned)
-            jump[np.abs(jump) < JUMP] = 0.0
+        first = self._fresh.take()
+        psi_before, r_before = (
+            begun(old, first, new) for old, new in zip(self._before, (psi, r), strict=True)
+        )
+        turned = 0.5 * (r + r_before) * self._step
+        jump = wrap_angle(psi - psi_before - turned)
+        jump[np.abs(jump) < JUMP] = 0.0
+        jump[first] = 0.0
         self._before = np.array(psi), np.array(r)
         return jump
 
@@ -104,7 +112,11 @@ class ReferenceModel:
         self._p, self._ship = parameters, ship
         self._parts = math.ceil(step / _LONGEST)
         self._step = step / self._parts
-        self._psi = None
+        self._psi, self._fresh = None, Fresh()
+
+    def restart(self, rows: np.ndarray) -> None:
+        """Begin anew in these rows where the ship then is."""
+        self._fresh.add(rows)
 
     def __call__(self, target, psi, jump):
         """Reference heading [rad], yaw rate r', sway v' and rudder [rad], each of shape (count,).
@@ -120,8 +132,11 @@ class ReferenceModel:
         jump : numpy.ndarray
             By how much headings less ordered heading have jumped, see `OrderWatch` [rad].
         """
+        first, rest = self._fresh.take(), np.zeros(len(psi))
         if self._psi is None:
-            self._psi, (self._r, self._a, self._v) = np.array(psi), np.zeros((3, len(psi)))
+            self._r = self._a = self._v = rest
+        self._psi = begun(self._psi, first, psi)
+        self._r, self._a, self._v = (begun(x, first, rest) for x in (self._r, self._a, self._v))
         w, limit, fastest = self._p.frequency, self._p.rate_limit, self._p.acceleration_limit
         self._psi = self._psi + jump
         for _ in range(self._parts):

@@ -12,6 +12,7 @@ from ship_gym.linear import linearise
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import self_propulsion
 from ship_gym.tasks.columns import View
+from ship_gym_agents.fresh import Fresh, begun
 
 NEEDS = ("surge", "propeller")  # of the observation
 _SPEEDS = np.array([0.3, 0.5, 0.7, 0.85, 1.0, 1.2])  # through the water, by U0
@@ -33,13 +34,16 @@ class RudderEffect:
     def __init__(self, ship: Ship, step: float):
         self._table, self._share = effect_table(ship), 1.0 - np.exp(-step / _SMOOTH)
         self.turns_by = ship.engine.n_max / self_propulsion(ship, ship.speed)
-        self._surge = None
+        self._surge, self._fresh = None, Fresh()
+
+    def restart(self, rows: np.ndarray) -> None:
+        """Begin anew in these rows with the next measurement."""
+        self._fresh.add(rows)
 
     def __call__(self, seen: View) -> np.ndarray:
         """Effect by the nominal one, shape (count,), within 0.25 to 2.5."""
-        if self._surge is None:
-            self._surge = np.array(seen.surge)
-        self._surge = self._surge + self._share * (seen.surge - self._surge)
+        before = begun(self._surge, self._fresh.take(), seen.surge)
+        self._surge = before + self._share * (seen.surge - before)
         return np.clip(
             interpolated(self._table, self._surge, seen.propeller * self.turns_by), *_LIMITS
         )

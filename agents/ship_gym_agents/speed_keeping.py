@@ -13,6 +13,8 @@ from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import self_propulsion
 from ship_gym.tasks.columns import action_columns
+from ship_gym_agents.autopilot import Perceived
+from ship_gym_agents.fresh import Fresh, begun
 from ship_gym_agents.los import ILOS
 from ship_gym_agents.pid import Gains
 
@@ -52,31 +54,34 @@ class JustInTime(ILOS):
             The control has no propeller speed, or the track more than one leg.
         """
         super().reset(count, ship, scenario)
-        actions, track = action_columns(scenario), scenario.track
+        actions = action_columns(scenario)
         if "rpm" not in actions:
             raise ConfigError(f"controller {self.name}: needs control = 'rudder+rpm'")
-        one_leg = track.kind == "straight" or len(track.points) == 2
-        if not one_leg and not (track.kind == "random" and track.legs == 1):
-            raise ConfigError(
-                f"controller {self.name}: knows the way to go on a track of one leg only; allowed "
-                "is kind = 'straight', two points, or legs = 1"
-            )
+        check_one_leg(scenario, f"controller {self.name}")
         self._rpm, self._astern = actions["rpm"], scenario.astern
         # times in L / U0, speeds in U0, propeller speeds in n_max
-        self._left = scenario.steps * self._step * (1.0 - MARGIN)
+        self._whole = scenario.steps * self._step * (1.0 - MARGIN)
+        self._left = np.full(count, self._whole)
         self._keep = np.exp(-scenario.control_interval / _MEMORY)
         self._calm = self_propulsion(ship, ship.speed) / ship.engine.n_max
-        self._current, self._missing, self._before = np.zeros(count), np.zeros(count), None
+        self._current, self._missing = np.zeros(count), np.zeros(count)
+        self._before, self._fresh = None, Fresh()
 
-    def act(self, observations: np.ndarray) -> np.ndarray:
-        """Actions in [-1, 1], shape (count, 2)."""
-        action = super().act(observations)
-        seen = self._columns.view(observations)
-        if self._before is not None:
-            current = (self._before - seen.to_go) / self._step - seen.surge
-            self._current = self._keep * self._current + (1.0 - self._keep) * current
-        self._before = np.array(seen.to_go)
-        needed = seen.to_go / max(self._left, self._step) - self._current
+    def restart(self, rows: np.ndarray) -> None:
+        """Give these rows the whole time again; see `Autopilot.restart`."""
+        super().restart(rows)
+        self._left[rows], self._current[rows], self._missing[rows] = self._whole, 0.0, 0.0
+        self._fresh.add(rows)
+
+    def steer(self, perceived: Perceived, offset: np.ndarray | None = None) -> np.ndarray:
+        """Actions in [-1, 1], shape (count, 2); see `Autopilot.steer`."""
+        action, seen = super().steer(perceived, offset), perceived.seen
+        first = self._fresh.take()
+        current = (begun(self._before, first, seen.to_go) - seen.to_go) / self._step - seen.surge
+        known = self._keep * self._current + (1.0 - self._keep) * current
+        known[first] = 0.0
+        self._current, self._before = known, np.array(seen.to_go)
+        needed = seen.to_go / np.maximum(self._left, self._step) - self._current
         self._left -= self._step
         share = self._calm * self._asked(np.clip(needed, _SLOWEST, _FASTEST), seen.surge)
         action[:, self._rpm] = 2.0 * (share + self._astern) / (1.0 + self._astern) - 1.0
@@ -89,3 +94,14 @@ class JustInTime(ILOS):
         free = (asked > _SLOWEST) & (asked < _FASTEST)
         self._missing = np.where(free, missing, self._missing)
         return np.clip(asked, _SLOWEST, _FASTEST)
+
+
+def check_one_leg(scenario: Scenario, who: str) -> None:
+    """Refuse a track of several legs, whose whole way to go is not observed."""
+    track = scenario.track
+    one_leg = track.kind == "straight" or len(track.points) == 2
+    if not one_leg and not (track.kind == "random" and track.legs == 1):
+        raise ConfigError(
+            f"{who}: knows the way to go on a track of one leg only; allowed is kind = "
+            "'straight', two points, or legs = 1"
+        )

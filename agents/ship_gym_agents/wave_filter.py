@@ -25,6 +25,7 @@ from ship_gym.conventions import DELTA, N, R, U, V, wrap_angle
 from ship_gym.linear import LinearShip, linearise
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim, self_propulsion
+from ship_gym_agents.fresh import Fresh, begun
 
 _LARGEST = 1e3
 _TRIAL_TURN = 20  # intervals of 1 full-scale s for which the rudder of a trial stays
@@ -117,11 +118,18 @@ class LowPassFilter:
         p = parameters
         with np.errstate(divide="ignore"):
             self._share = [1.0 - np.exp(-step / np.asarray(T)) for T in (p.T_psi, p.T_r, p.T_v)]
-        self._seen = None
+        self._seen, self._fresh = (None, None, None), Fresh()
+
+    def restart(self, rows: np.ndarray) -> None:
+        """Begin anew in these rows with the next measurement."""
+        self._fresh.add(rows)
 
     def __call__(self, psi, r, v, delta, jump):
         """Filtered psi [rad], r', v' and no bias; see `ObserverFilter`."""
-        before = (psi, r, v) if self._seen is None else self._seen
+        rows = self._fresh.take()
+        before = [
+            begun(old, rows, new) for old, new in zip(self._seen, (psi, r, v), strict=True)
+        ]
         change = wrap_angle(psi - before[0] - jump), r - before[1], v - before[2]
         psi = wrap_angle(before[0] + jump + self._share[0] * change[0])
         r, v = (before[k] + self._share[k] * change[k] for k in (1, 2))
@@ -209,7 +217,12 @@ class ObserverFilter:
         noises = [dict(zip(names, row, strict=True)) for row in rows.tolist()]
         designs = [_design(parameters.ship, noise, step) for noise in noises]
         self._F, self._B, self._K = (np.stack(m)[which.ravel()] for m in zip(*designs, strict=True))
-        self._count, self._x, self._delta = count, None, None
+        self._x, self._delta = np.zeros((count, self._F.shape[-1])), np.zeros(count)
+        self._fresh = Fresh()
+
+    def restart(self, rows: np.ndarray) -> None:
+        """Begin anew in these rows with the next measurement."""
+        self._fresh.add(rows)
 
     def __call__(self, psi, r, v, delta, jump):
         """Low-frequency motion from one measurement.
@@ -230,14 +243,12 @@ class ObserverFilter:
         tuple
             psi [rad], r', v' and rudder bias [rad], each of shape (count,).
         """
-        if self._x is None:
-            self._x = np.zeros((self._count, self._F.shape[-1]))
-            self._x[:, 0] = psi
-        else:
-            held = 0.5 * (delta + self._delta)
-            self._x = (self._F @ self._x[:, :, None])[:, :, 0] + self._B * held[:, None]
-            self._x[:, 0] += jump
-        x = self._x
+        held = 0.5 * (delta + self._delta)
+        x = (self._F @ self._x[:, :, None])[:, :, 0] + self._B * held[:, None]
+        x[:, 0] += jump
+        first = self._fresh.take()
+        x[first] = 0.0
+        x[first, 0] = psi[first]
         wave_psi, wave_r = (x[:, 4], x[:, 5]) if x.shape[1] == 6 else (0.0, 0.0)
         missed = np.stack(
             [wrap_angle(psi - x[:, 0] - wave_psi), v - x[:, 1], r - x[:, 2] - wave_r], axis=1

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.unit import Sailed
-from ship_gym.provenance import atomic_path
+from ship_gym.provenance import atomic_path, locked
 
 EPISODES = "episodes.parquet"
 REPORT = "report.html"
@@ -37,17 +37,9 @@ class RunFolder:
         """The table of all episodes."""
         return self.path / EPISODES
 
-    @contextlib.contextmanager
-    def locked(self) -> Iterator[None]:
+    def locked(self) -> contextlib.AbstractContextManager[None]:
         """Hold the folder; refused while another process does. Killing that one frees it."""
-        self.path.mkdir(parents=True, exist_ok=True)
-        with (self.path / _LOCK).open("a+b") as file:
-            if not _held(file):
-                raise ConfigError(
-                    f"{self.path}: another process benchmarks into this folder; wait for it, or "
-                    "give another --out"
-                )
-            yield
+        return locked(self.path / _LOCK, "benchmarks into this folder")
 
     def settings(self) -> dict[str, Any] | None:
         """Settings of the run in the folder; None if there is none.
@@ -119,26 +111,6 @@ class RunFolder:
 
     def _file(self, number: int) -> Path:
         return self._units / f"{number:05d}.json"
-
-
-def _held(file: IO[bytes]) -> bool:
-    """Take the lock of a file for as long as it is open; False if another process has it."""
-    try:
-        import fcntl
-    except ImportError:  # Windows
-        import msvcrt
-
-        file.seek(0)
-        try:
-            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-        except OSError:
-            return False
-        return True
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    return True
 
 
 def _differing(there: Any, asked: Any) -> str:

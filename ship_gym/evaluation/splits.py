@@ -2,6 +2,7 @@
 
 A seed fixes an episode: its sea, its start, its orders or way-points, its failure. So splitting the
 seeds splits the seas. Nothing but an evaluation uses the seeds of `test`.
+Benchmarks look at those again and again; `final` is what a shipped policy is judged on, once.
 """
 
 from __future__ import annotations
@@ -46,12 +47,14 @@ SPLITS: dict[str, Split] = {
         Split("validation", 400_000, 500_000, "chooses the policy of a training run that is kept"),
         Split("tuning", 500_000, 2_000_000, "gains and hyperparameters"),
         Split("test", 2_000_000, 3_000_000, "evaluations and benchmarks, and nothing else"),
+        Split("final", 3_000_000, 4_000_000, "one look at shipped policies"),
     )
 }
 TRAINING_SHIPS = ("kcs", "kvlcc2")
 HELD_OUT_SHIPS = ("s175", "dtc", "onrt")
 
 VALIDATION_SEED = SPLITS["validation"].first
+JUDGING_SEED = 450_000  # from here on: the final evaluation of a run, not the choice of its policy
 TUNING_SEED = SPLITS["tuning"].first
 EVALUATION_SEED = SPLITS["test"].first
 

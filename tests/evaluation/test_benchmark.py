@@ -98,7 +98,9 @@ def test_an_edited_controller_is_another_run(run, tmp_path):
 
 def test_two_processes_do_not_share_a_folder(run, tmp_path):
     with RunFolder(tmp_path / "run").locked():
-        with pytest.raises(ConfigError, match="another process benchmarks into this folder"):
+        with pytest.raises(
+            ConfigError, match=r"another process \(pid \d+\) benchmarks into this folder"
+        ):
             run(seeds=1)
         run("other", seeds=1)
     run(seeds=1)

@@ -17,7 +17,7 @@ from ship_gym.ships import available_ships
 
 def test_splits_follow_one_another_without_gap_or_overlap():
     splits = list(SPLITS.values())
-    assert [split.name for split in splits] == ["training", "validation", "tuning", "test"]
+    assert [split.name for split in splits] == ["training", "validation", "tuning", "test", "final"]
     assert splits[0].first == 0
     assert all(a.end == b.first for a, b in itertools.pairwise(splits))
 
@@ -25,7 +25,13 @@ def test_splits_follow_one_another_without_gap_or_overlap():
 def test_splits_are_frozen():
     """A change would make every number of ShipBench-1 incomparable."""
     firsts = {name: split.first for name, split in SPLITS.items()}
-    assert firsts == {"training": 0, "validation": 400_000, "tuning": 500_000, "test": 2_000_000}
+    assert firsts == {
+        "training": 0,
+        "validation": 400_000,
+        "tuning": 500_000,
+        "test": 2_000_000,
+        "final": 3_000_000,
+    }
 
 
 def test_seeds_of_a_split():
@@ -43,7 +49,8 @@ def test_every_seed_tells_its_split():
     for seed, name in ((0, "training"), (399_999, "training"), (400_000, "validation")):
         assert split_of(seed) == name and seed in SPLITS[name]
     assert split_of(1_999_999) == "tuning" and split_of(2_000_000) == "test"
-    assert split_of(3_000_000) is None and split_of(-1) is None
+    assert split_of(2_999_999) == "test" and split_of(3_000_000) == "final"
+    assert split_of(4_000_000) is None and split_of(-1) is None
 
 
 def test_ships_are_split_too():

@@ -32,9 +32,9 @@ def command(as_json, out, resume, minutes, steps, task, **options) -> None:
     need("torch", "stable_baselines3")
     config = _config(str(out), resume, task, options)
 
-    from ship_gym_agents.sb3.budget import default_budget
-    from ship_gym_agents.sb3.summary import plan, summary
-    from ship_gym_agents.sb3.train import train
+    from ship_gym_agents.training.budget import default_budget
+    from ship_gym_agents.training.summary import plan, summary
+    from ship_gym_agents.training.train import train
 
     budget = default_budget(minutes, steps)
     print(plan(config, out, **budget), file=sys.stderr)

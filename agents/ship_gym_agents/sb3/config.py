@@ -1,4 +1,4 @@
-"""Config of a run: hyperparameters from ``hyperparameters/<algorithm>.toml``, scenario, seed."""
+"""Config of a run: algorithm, scenario, seed and hyperparameters; recipes that hold all of it."""
 
 from __future__ import annotations
 
@@ -8,185 +8,25 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import (
-    ConfigError,
-    build,
-    check_known,
-    check_number,
-    merged,
-    read_text,
-    read_toml,
-)
+from ship_gym.config import ConfigError, build, merged, nearest, read_text, read_toml
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.evaluation.metrics import metrics_of
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
-from ship_gym_agents.sb3.policy import ACTIVATIONS
+from ship_gym_agents.sb3.options import OPTIONS
+from ship_gym_agents.sb3.sections import (
+    SECTIONS,
+    Hyperparameters,
+    algorithm_name,
+    load_hyperparameters,
+    partial,
+)
+
+__all__ = ["OPTIONS", "Hyperparameters", "RunConfig", "load_hyperparameters", "run_config"]
 
 CARD_FILE = "card.json"
-_FOLDER = Path(__file__).with_name("hyperparameters")
-
-
-@dataclasses.dataclass(frozen=True)
-class Training:
-    """What every algorithm needs.
-
-    Attributes
-    ----------
-    envs : int
-        Environments in the batch.
-    episode : float
-        Length of a training episode [full-scale s]; 0: the scenario's. An episode that is cut off
-        is bootstrapped with the value of its last state, so the task stays the same; shorter ones
-        hold more of the transient from which there is most to learn.
-    gamma : float
-        Discount per control interval.
-    learning_rate : float
-        At the start; it falls linearly to zero over the budget.
-    validations : int
-        Number of validations, evenly over the budget.
-    threads : int
-        Of torch.
-    """
-
-    envs: int
-    episode: float
-    gamma: float
-    learning_rate: float
-    validations: int
-    threads: int
-
-    def __post_init__(self):
-        check_number("training.envs", self.envs, 1, 100_000)
-        check_number("training.episode", self.episode, 0.0, 1e6, "s")
-        check_number("training.gamma", self.gamma, 0.0, 1.0)
-        check_number("training.learning_rate", self.learning_rate, 0.0, 1.0)
-        check_number("training.validations", self.validations, 1, 1000)
-        check_number("training.threads", self.threads, 1, 1024)
-
-
-@dataclasses.dataclass(frozen=True)
-class Network:
-    """Sizes and activation of the hidden layers, the same for actor and critic."""
-
-    hidden: tuple[int, ...]
-    activation: str
-
-    def __post_init__(self):
-        check_known("network.activation", self.activation, ACTIVATIONS)
-        for size in self.hidden:
-            check_number("network.hidden", size, 1, 4096)
-
-
-@dataclasses.dataclass(frozen=True)
-class PPOOptions:
-    """Arguments of stable-baselines3's PPO, and how wide it explores.
-
-    The logarithm of the standard deviation of the actions goes linearly from `log_std_init` to
-    `log_std_final` over the budget; it is not learned.
-    """
-
-    n_steps: int
-    batch_size: int
-    n_epochs: int
-    gae_lambda: float
-    clip_range: float
-    ent_coef: float
-    vf_coef: float
-    max_grad_norm: float
-    log_std_init: float
-    log_std_final: float
-
-    def __post_init__(self):
-        for name in ("n_steps", "batch_size", "n_epochs"):
-            check_number(f"algorithm.{name}", getattr(self, name), 1, 1e7)
-        if self.batch_size < 2:
-            raise ConfigError("algorithm.batch_size = 1: allowed is 2 and more")
-        for name in ("gae_lambda", "clip_range"):
-            check_number(f"algorithm.{name}", getattr(self, name), 0.0, 1.0)
-        for name in ("ent_coef", "vf_coef", "max_grad_norm"):
-            check_number(f"algorithm.{name}", getattr(self, name), 0.0, 1e3)
-        for name in ("log_std_init", "log_std_final"):
-            check_number(f"algorithm.{name}", getattr(self, name), -10.0, 2.0)
-
-
-@dataclasses.dataclass(frozen=True)
-class OffPolicyOptions:
-    """Arguments that SAC and TD3 of stable-baselines3 share."""
-
-    buffer_size: int
-    learning_starts: int
-    batch_size: int
-    tau: float
-    train_freq: int
-    gradient_steps: int
-
-    def __post_init__(self):
-        for name in ("buffer_size", "batch_size", "train_freq", "gradient_steps"):
-            low = -1 if name == "gradient_steps" else 1  # -1: as many as samples
-            check_number(f"algorithm.{name}", getattr(self, name), low, 1e8)
-        check_number("algorithm.learning_starts", self.learning_starts, 0, self.buffer_size)
-        check_number("algorithm.tau", self.tau, 0.0, 1.0)
-
-
-@dataclasses.dataclass(frozen=True)
-class SACOptions(OffPolicyOptions):
-    """Arguments of stable-baselines3's SAC; the entropy coefficient is learned."""
-
-
-@dataclasses.dataclass(frozen=True)
-class TD3Options(OffPolicyOptions):
-    """Arguments of stable-baselines3's TD3, and the standard deviation of its exploration."""
-
-    policy_delay: int
-    action_noise: float
-
-
-OPTIONS: dict[str, type] = {"ppo": PPOOptions, "sac": SACOptions, "td3": TD3Options}
-
-
-@dataclasses.dataclass(frozen=True)
-class Hyperparameters:
-    """One file of hyperparameters; `algorithm` is the options class of its algorithm."""
-
-    training: Training
-    network: Network
-    algorithm: PPOOptions | SACOptions | TD3Options
-
-
-def load_hyperparameters(
-    algorithm: str = "ppo",
-    source: str | Path | Mapping[str, Any] | None = None,
-    envs: int | None = None,
-) -> Hyperparameters:
-    """Hyperparameters of an algorithm.
-
-    Parameters
-    ----------
-    algorithm : str
-        Key of `OPTIONS`.
-    source : path or mapping, optional
-        A TOML file instead of the one that comes with the package, or a nested mapping of keys to
-        replace in that one.
-    envs : int, optional
-        Replaces ``training.envs``.
-
-    Raises
-    ------
-    ConfigError
-        Unknown algorithm or key (with the nearest one), missing key, or a value not allowed.
-    """
-    check_known("algorithm", algorithm, OPTIONS)
-    own = isinstance(source, str | Path)
-    file = Path(source) if own else _FOLDER / f"{algorithm}.toml"
-    values = merged(read_toml(file), source if isinstance(source, Mapping) else {})
-    if envs is not None:
-        values = merged(values, {"training": {"envs": envs}})
-    for section in ("training", "network", "algorithm"):
-        if not isinstance(values.get(section), Mapping):
-            raise ConfigError(f"{file}: no section [{section}]")
-    options = build(OPTIONS[algorithm], values["algorithm"], f"{file.name}: algorithm")
-    return build(Hyperparameters, {**values, "algorithm": options}, file.name)
+RECIPES = Path(__file__).parents[1] / "recipes"
+_RECIPE_KEYS = ("algo", "scenario", "ship", "control", "seed", "overrides", *SECTIONS)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -196,7 +36,7 @@ class RunConfig:
     Attributes
     ----------
     algorithm : str
-        Key of ``ship_gym_agents.sb3.config.OPTIONS``.
+        Key of `OPTIONS`.
     scenario : Scenario
         With ship and control.
     seed : int
@@ -211,41 +51,102 @@ class RunConfig:
 
 
 def run_config(
-    algorithm: str = "ppo",
-    scenario: str | Path | Mapping[str, Any] | Scenario = "heading_keeping",
+    algorithm: str | None = None,
+    scenario: str | Path | Mapping[str, Any] | Scenario | None = None,
     *,
     ship: str | None = None,
     control: str | None = None,
     privileged: bool | None = None,
     overrides: Mapping[str, Any] | None = None,
     hyperparameters: str | Path | Mapping[str, Any] | None = None,
+    settings: Mapping[str, Any] | None = None,
     envs: int | None = None,
-    seed: int = 0,
+    seed: int | None = None,
+    recipe: str | Path | None = None,
 ) -> RunConfig:
     """Resolve the config of a new run.
 
     Parameters
     ----------
-    algorithm : str
-        ``"ppo"``, ``"sac"`` or ``"td3"``.
+    algorithm : str, optional
+        Key of `OPTIONS`, in any case; ``"ppo"`` without one.
     scenario, ship, control, privileged, overrides
-        As in ``ShipEnv``.
-    hyperparameters, envs
+        As in ``ShipEnv``; ``"heading_keeping"`` without one.
+    hyperparameters, settings, envs
         As in `load_hyperparameters`.
-    seed : int
+    seed : int, optional
+        0 without one.
+    recipe : str or path, optional
+        See `load_recipe`. What else is given replaces its keys; with another algorithm its
+        section [algorithm] does not count.
 
     Raises
     ------
     ConfigError
         Anything unknown or not allowed.
     """
-    hyper = load_hyperparameters(algorithm, hyperparameters, envs)
-    resolved, _ = resolved_scenario(scenario, ship, control, None, privileged, overrides)
+    plan = {} if recipe is None else load_recipe(recipe)
+    own = algorithm_name(plan.get("algo", "ppo"))
+    name = own if algorithm is None else algorithm_name(algorithm)
+    given = {"scenario": scenario, "ship": ship, "control": control, "seed": seed}
+    plan |= {key: value for key, value in given.items() if value is not None}
+    resolved, _ = resolved_scenario(
+        plan.get("scenario", "heading_keeping"),
+        plan.get("ship"),
+        plan.get("control"),
+        None,
+        privileged,
+        {**plan.get("overrides", {}), **(overrides or {})},
+    )
+    if resolved.privileged:
+        raise ConfigError(
+            "privileged = true: a policy never sees sea and forces; its critic does in training "
+            "with training.critic = 'privileged'"
+        )
     load_ship(resolved.ship, surrogate=resolved.surrogate)  # refuses an unknown one now
     metrics_of(resolved.task)  # and a task that no validation can judge
+    source = {key: plan[key] for key in SECTIONS if key in plan}
+    if name != own:
+        source.pop("algorithm", None)
+    source = merged(source, partial(hyperparameters))
+    hyper = load_hyperparameters(name, source, envs, task=resolved.task, settings=settings)
+    seed = plan.get("seed", 0)
     if seed < 0:
         raise ConfigError(f"seed = {seed}: must not be negative")
-    return RunConfig(algorithm, resolved, seed, hyper)
+    return RunConfig(name, resolved, seed, hyper)
+
+
+def available_recipes() -> list[str]:
+    """Names of the recipes that come with the package."""
+    return sorted(path.stem for path in RECIPES.glob("*.toml"))
+
+
+def load_recipe(name_or_path: str | Path) -> dict[str, Any]:
+    """A recipe: ``algo``, ``scenario``, ``ship``, ``control`` and sections of hyperparameters.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        One of `available_recipes`, or a TOML file of one's own. ``algo`` is a key of `OPTIONS`;
+        ``overrides`` a table of keys of the scenario.
+
+    Raises
+    ------
+    ConfigError
+        No such recipe, or a key that none has (with the nearest one).
+    """
+    path = Path(name_or_path)
+    if path.suffix != ".toml":
+        names = available_recipes()
+        if str(name_or_path) not in names:
+            raise ConfigError(f"unknown recipe {str(name_or_path)!r};{nearest(path.name, names)}")
+        path = RECIPES / f"{name_or_path}.toml"
+    values = read_toml(path)
+    for key in values:
+        if key not in _RECIPE_KEYS:
+            raise ConfigError(f"{path.name}: unknown key {key!r};{nearest(key, _RECIPE_KEYS)}")
+    partial({key: values[key] for key in SECTIONS if key in values}, path.name)
+    return values
 
 
 def load_config(out: str | Path) -> RunConfig:

@@ -18,7 +18,7 @@ pytest.importorskip("stable_baselines3")
 
 import torch
 from ship_gym_agents.sb3.algorithms import explore
-from ship_gym_agents.sb3.train import VALIDATION_SEED, _Run, train, validate
+from ship_gym_agents.training.train import VALIDATION_SEED, _Run, train, validate
 
 TINY = {
     "training": {"envs": 8, "validations": 2, "episode": 20.0, "threads": 1},
@@ -285,7 +285,7 @@ def test_missing_extra_is_one_clear_line(monkeypatch):
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "torch", None)
     with pytest.raises(ImportError, match=r'pip install "ship-gym\[rl\]"'):
-        __import__("ship_gym_agents.sb3.train")
+        __import__("ship_gym_agents.training.train")
 
 
 @pytest.mark.slow

@@ -1,8 +1,10 @@
-"""Budget: how long a training run may last, in wall-clock time, in samples or both."""
+"""Budget: how long a training run may last, in time of training, in samples or both."""
 
 from __future__ import annotations
 
+import contextlib
 import time
+from collections.abc import Iterator
 
 from ship_gym.config import ConfigError, check_number
 
@@ -19,14 +21,17 @@ def default_budget(minutes: float | None, steps: int | None) -> dict[str, float 
 class Budget:
     """Share of a run that is used up; it sets the learning rate, the validations and the end.
 
+    Only training is charged: the clock stands still until `start` and inside `uncharged`, where
+    validations sail and files are written.
+
     Parameters
     ----------
     minutes : float, optional
-        Wall-clock time of the whole run.
+        Time of training of the whole run.
     steps : int, optional
         Samples of the whole run, all environments together.
     seconds_before : float
-        Used by earlier parts of a resumed run [s].
+        Charged to earlier parts of a resumed run [s].
     """
 
     def __init__(
@@ -39,12 +44,28 @@ class Budget:
         if steps is not None:
             check_number("steps", steps, 1, 1e12)
         self.minutes, self.steps = minutes, steps
-        self._start = time.monotonic() - seconds_before
+        self._charged = seconds_before
+        self._since: float | None = None  # when the clock began to run; None: it stands still
+
+    def start(self) -> None:
+        """Let the clock run."""
+        self._since = time.monotonic()
+
+    @contextlib.contextmanager
+    def uncharged(self) -> Iterator[None]:
+        """Stop the clock for the block."""
+        ran, self._charged, self._since = self._since is not None, self.seconds, None
+        try:
+            yield
+        finally:
+            if ran:
+                self.start()
 
     @property
     def seconds(self) -> float:
-        """Wall-clock time of the run so far, earlier parts included [s]."""
-        return time.monotonic() - self._start
+        """Time of training so far, earlier parts included [s]."""
+        running = 0.0 if self._since is None else time.monotonic() - self._since
+        return self._charged + running
 
     def used(self, samples: int) -> float:
         """Share used after `samples` samples, 0 to 1: of whichever limit is nearer."""
@@ -57,5 +78,5 @@ class Budget:
 
     @property
     def time_is_up(self) -> bool:
-        """Whether the wall-clock time is used up."""
+        """Whether the time of training is used up."""
         return self.minutes is not None and self.seconds >= 60.0 * self.minutes

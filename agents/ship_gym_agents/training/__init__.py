@@ -1,0 +1,1 @@
+"""Training runs: budget, checkpoints, validation, several seeds, and the judgement at the end."""

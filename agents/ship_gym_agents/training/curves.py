@@ -1,0 +1,71 @@
+"""Learning curves: the validations of a run as a table, and those of several as a picture."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from ship_gym.evaluation.metrics import metrics_of
+from ship_gym.provenance import atomic_path
+from ship_gym.tasks import TASKS
+from ship_gym_agents.sb3.config import CARD_FILE
+from ship_gym_agents.training.run_folder import CURVE_FILE, CURVE_PICTURE
+
+
+def write_curve(validations: Sequence[Mapping[str, Any]], path: str | Path) -> None:
+    """Write one row for each validation: samples and seconds first; empty where there is none."""
+    names = list(dict.fromkeys(name for found in validations for name in found))
+    names = ["samples", "seconds", *(n for n in names if n not in ("samples", "seconds"))]
+    with atomic_path(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, names, lineterminator="\n")
+        table.writeheader()
+        table.writerows(validations)
+
+
+def read_curve(path: str | Path) -> dict[str, list[float | None]]:
+    """Columns of a curve by name."""
+    with Path(path).open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    return {n: [float(row[n]) if row[n] else None for row in rows] for n in (rows or [{}])[0]}
+
+
+def draw_curves(out: str | Path, folders: Sequence[str | Path] | None = None) -> Path | None:
+    """Draw what the validations of a run show, or those of several seeds in one picture.
+
+    Parameters
+    ----------
+    out : path
+        Folder that the picture goes into.
+    folders : sequence of path, optional
+        Folders of the seeds; `out` itself if omitted.
+
+    Returns
+    -------
+    Path or None
+        The picture; None without matplotlib or without any validation.
+    """
+    runs = [Path(folder) for folder in ([out] if folders is None else folders)]
+    runs = [run for run in runs if (run / CURVE_FILE).is_file()]
+    if not runs or find_spec("matplotlib") is None:
+        return None
+    from ship_gym.plotting.learning_curve import plot_learning_curves  # late: it takes a second
+
+    card = json.loads((runs[0] / CARD_FILE).read_text(encoding="utf-8"))
+    scenario = card["config"]["scenario"]
+    name = TASKS[scenario["task"]].headline
+    first, last = card["validation_seeds"]
+    path = Path(out) / CURVE_PICTURE
+    plot_learning_curves(
+        [read_curve(run / CURVE_FILE) for run in runs],
+        name,
+        metrics_of(scenario["task"])[name].unit,
+        path,
+        f"{card['config']['algorithm']}, {scenario['task']}, {scenario['ship']}",
+        f"mean of {last - first + 1} validation seas; dashed: on the seas of the final evaluation",
+        card.get("final", {}).get("references"),
+    )
+    return path

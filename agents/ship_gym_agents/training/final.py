@@ -1,0 +1,116 @@
+"""Final evaluation of a run: its policy against the classical controllers of the task.
+
+On validation seas of their own, which had no part in the choice of the policy, episode by episode.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+from ship_gym.config import ConfigError
+from ship_gym.evaluation.controller import Controller
+from ship_gym.evaluation.rollout import begin
+from ship_gym.evaluation.splits import JUDGING_SEED
+from ship_gym.evaluation.statistics import paired
+from ship_gym.scenarios.scenario import Scenario
+from ship_gym.tasks import TASKS
+from ship_gym_agents.controllers import make_controller
+from ship_gym_agents.training.score import Score, Validation, validate
+
+_MORE = ("adaptive", "just_in_time")  # where they can steer, beside the usual one of the task
+BETTER, WORSE, OPEN = "better than", "worse than", "no difference shown from"
+
+
+def references(scenario: Scenario, base: str = "") -> list[str]:
+    """Names of the classical controllers that a policy is compared with.
+
+    The usual one of the task, the others that can steer the scenario, and the one that the policy
+    is built on.
+    """
+    usual = [name for name in TASKS[scenario.task].controllers if name != "constant"][:1]
+    names = dict.fromkeys((*usual, *_MORE, *([base] if base else [])))
+    return [name for name in names if _can_steer(name, scenario)]
+
+
+def _can_steer(name: str, scenario: Scenario) -> bool:
+    start = begin([JUDGING_SEED], scenario, parallel=False)
+    try:
+        make_controller(name).reset(1, start.ship, start.scenario)
+    except ConfigError:
+        return False
+    return True
+
+
+def judge(
+    policy: Controller, scenario: Scenario, score: Score, episodes: int, base: str = ""
+) -> dict[str, Any]:
+    """Sail the policy and its references on the same seas.
+
+    Parameters
+    ----------
+    policy : Controller
+    scenario : Scenario
+    score : Score
+    episodes : int
+    base : str
+        Name of the controller that the policy is built on, if any.
+
+    Returns
+    -------
+    dict
+        For the card: ``seeds`` (first, last), ``policy`` (means), ``references`` (name to means
+        and ``difference``: policy less reference with its 95 % interval, p and ``verdict``) and
+        the ``text`` that says it all.
+    """
+    seeds = list(range(JUDGING_SEED, JUDGING_SEED + episodes))
+    own = validate(policy, scenario, seeds, score)
+    found: dict[str, Any] = {}
+    for name in references(scenario, base):
+        other = validate(make_controller(name), scenario, seeds, score)
+        found[name] = {**other.means, "difference": compared(own, other, score)}
+    made = {"seeds": [seeds[0], seeds[-1]], "policy": own.means, "references": found}
+    return {**made, "text": final_text(made, score)}
+
+
+def compared(own: Validation, other: Validation, score: Score) -> dict[str, Any]:
+    """Difference of the score, own less other, over the episodes in which both have a value."""
+    pairs = [pair for pair in zip(own.each, other.each, strict=True) if None not in pair]
+    if len(pairs) < 2:
+        return {"verdict": OPEN}
+    difference = paired(*zip(*pairs, strict=True))
+    verdict = OPEN
+    if not difference.low <= 0.0 <= difference.high:
+        verdict = BETTER if (difference.high < 0.0) == (score.better == "lower") else WORSE
+    return {**dataclasses.asdict(difference), "verdict": verdict}
+
+
+def final_text(found: Mapping[str, Any], score: Score) -> str:
+    """The result in one line."""
+    first, last = found["seeds"]
+    own, unit = found["policy"], "" if score.unit == "-" else f" {score.unit}"
+    line = (
+        f"final, {last - first + 1} seas that chose nothing (seeds {first} to {last}): "
+        f"{score.name} {_shown(own[score.name])}{unit}, success {own['success']:.0%}"
+    )
+    return "; ".join([line, *(_against(*each, own, score) for each in found["references"].items())])
+
+
+def _against(name: str, other: Mapping[str, Any], own: Mapping[str, Any], score: Score) -> str:
+    difference = other["difference"]
+    travel = f"rudder travel {own['rudder_travel']:.4g} against {other['rudder_travel']:.4g} deg/h"
+    if "value" not in difference:
+        return f"not comparable with {name}, {travel}"
+    values = [f"{difference[key]:+.3g}" for key in ("value", "low", "high")]
+    failed = (
+        "" if other["success"] == own["success"] == 1.0 else (f", success {other['success']:.0%}")
+    )
+    return (
+        f"{difference['verdict']} {name} ({_shown(other[score.name])}{failed}): {values[0]} "
+        f"[{values[1]}, {values[2]}], {travel}"
+    )
+
+
+def _shown(value: float | None) -> str:
+    return "-" if value is None else f"{value:.4g}"

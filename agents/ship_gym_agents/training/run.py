@@ -1,0 +1,289 @@
+"""Run: what every training run keeps, whatever learns in it.
+
+A learner (stable-baselines3, Gauss-Newton) calls `Run.between` between two updates; all that is due
+then happens there and is not charged to the budget: validations, the best policy, checkpoints. What
+can be lost by a kill is what was learned since the last checkpoint.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ship_gym.config import ConfigError
+from ship_gym.evaluation.splits import VALIDATION_SEED
+from ship_gym.provenance import provenance
+from ship_gym_agents.controllers import make_controller
+from ship_gym_agents.policies.policy_file import POLICY_FILE, load_policy, save_policy
+from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, plain
+from ship_gym_agents.training.budget import Budget
+from ship_gym_agents.training.curves import write_curve
+from ship_gym_agents.training.run_folder import CURVE_FILE, TrainingFolder
+from ship_gym_agents.training.score import score_of, validate
+
+EPISODES = (64, 32, 16)  # of a validation: as many as the budget bears
+_SHARE = 0.1  # of the time of training, for all validations together
+_FEWEST = 4  # validations that the number of episodes leaves time for
+
+Report = Callable[[float, float | None], Any]
+
+
+class Run:
+    """One run: config, budget, validations, best policy.
+
+    Parameters
+    ----------
+    config : RunConfig
+    folder : TrainingFolder
+        Held by this process.
+    minutes, steps : optional
+        The budget, see `Budget`.
+    resume : bool
+        Continue what is in the folder; what was killed before its first checkpoint begins anew.
+    told : mapping
+        Further entries of the card, such as the command.
+    report : callable, optional
+        Called with the used share and the score after every validation; may raise to end the run.
+
+    Attributes
+    ----------
+    samples : int
+        So far.
+    best, chosen : policy, dict
+        The best policy so far and its validation; None before the first.
+    checkpoint : Path or None
+        Folder of the state to go on from.
+
+    Raises
+    ------
+    ConfigError
+        A folder that holds a run, another config than the run's, or a budget that is used up.
+    """
+
+    def __init__(
+        self,
+        config: RunConfig,
+        folder: TrainingFolder,
+        minutes: float | None,
+        steps: int | None,
+        resume: bool,
+        told: dict[str, Any] | None = None,
+        report: Report | None = None,
+    ):
+        Budget(minutes, steps)  # refused before anything is written
+        self.config, self.folder, self._report = config, folder, report
+        state = self._earlier(resume)
+        self.checkpoint = folder.checkpoint() if state else None
+        self.samples = state["samples"] if state else 0
+        self.validations: list[dict[str, Any]] = state["validations"] if state else []
+        self.budget = Budget(minutes, steps, state["seconds"] if state else 0.0)
+        if self.used >= 1.0:
+            raise ConfigError(
+                f"{folder.path}: its budget is used up ({self.samples} samples, "
+                f"{self.budget.seconds / 60.0:.2f} min); give more minutes or steps in all"
+            )
+        self.score = score_of(config.scenario)
+        if state:
+            self.score = self.score._replace(limit=state["limit"])
+        self.episodes = state["episodes"] if state else EPISODES[0]
+        self._validated = state["validated"] if state else 0.0  # seconds of validations
+        self._cost, self._due, self._kept = 0.0, 0.0, time.monotonic()
+        self.best = load_policy(folder.path) if self.validations else None
+        self.chosen: dict[str, Any] | None = self.best.card["best"] if self.best else None
+        self._told = (told or {}) | provenance()
+        self.final: dict[str, Any] | None = None
+        self.write("running")
+
+    def _earlier(self, resume: bool) -> dict[str, Any] | None:
+        """State of the run to resume; None: it begins."""
+        card = self.folder.card()
+        if not resume and card is not None:
+            raise ConfigError(f"{self.folder.path} holds a run; resume it or choose another folder")
+        if card is not None and card["config"] != plain(self.config):
+            raise ConfigError(
+                f"{self.folder.path}: cannot resume with another config than in {CARD_FILE}"
+            )
+        state = self.folder.state()
+        if state is None:
+            self.folder.clear()
+        return state
+
+    @property
+    def used(self) -> float:
+        """Share of the budget that is used up."""
+        return self.budget.used(self.samples)
+
+    @property
+    def last(self) -> dict[str, Any] | None:
+        """The last validation."""
+        return self.validations[-1] if self.validations else None
+
+    def begin(self, policy: Callable[[], Any], save: Callable[[Path], None]) -> None:
+        """Size the validations, judge what the run begins with, and let the clock run."""
+        if not self.validations:
+            self._size(policy())
+            self._set_limit()
+            self._validate(policy(), {})
+            self._keep(save)
+        self._next()
+        self.budget.start()
+
+    def _size(self, policy: Any) -> None:
+        """As many episodes as leave time for some validations; with a budget of samples, most."""
+        if self.budget.minutes is None:
+            return
+        few = EPISODES[-1]
+        cost = validate(policy, self.config.scenario, self._seeds(few)).seconds / few
+        spare = _SHARE * 60.0 * self.budget.minutes / _FEWEST
+        self.episodes = next((n for n in EPISODES if n * cost <= spare), few)
+
+    def _set_limit(self) -> None:
+        """The rudder travel that the price holds, on the validation seas if it is the base's."""
+        limit = self.config.hyperparameters.price.limit
+        if limit == "base":
+            base = make_controller(self.config.hyperparameters.form.base)
+            seeds = self._seeds(self.episodes)
+            limit = validate(base, self.config.scenario, seeds, self.score).means["rudder_travel"]
+        self.score = self.score._replace(limit=float(limit) if limit else None)
+
+    def _seeds(self, count: int) -> list[int]:
+        return list(range(VALIDATION_SEED, VALIDATION_SEED + count))
+
+    def _next(self) -> None:
+        """Set the share of the budget at which the next validation is due."""
+        interval = 1.0 / self.config.hyperparameters.training.validations
+        self._due = (int(self.used / interval + 1e-9) + 1.0) * interval
+
+    def _is_due(self) -> bool:
+        """Whether to validate now: in time, and not more often than the time of training bears."""
+        if self.used < self._due or self.used >= 1.0:
+            return False
+        spent = self._validated + self._cost
+        return self.budget.minutes is None or spent <= _SHARE * self.budget.seconds
+
+    def between(
+        self,
+        samples: int,
+        policy: Callable[[], Any],
+        save: Callable[[Path], None],
+        **learner: float,
+    ) -> dict[str, Any] | None:
+        """Do what is due between two updates.
+
+        Parameters
+        ----------
+        samples : int
+            So far.
+        policy : callable
+            Gives the present policy.
+        save : callable
+            Writes the learner's state into the folder it is given.
+        **learner
+            What the curve tells beside the validation, such as ``multiplier``.
+
+        Returns
+        -------
+        dict or None
+            The validation, if there was one.
+        """
+        self.samples = samples
+        with self.budget.uncharged():
+            found = None
+            if self._is_due():
+                found = self._validate(policy(), learner)
+                self._next()
+            elif time.monotonic() - self._kept < self._interval:
+                return None
+            self._keep(save)
+        if found and self._report:
+            self._report(self.used, found[self.score.name])
+        return found
+
+    @property
+    def _interval(self) -> float:
+        return self.config.hyperparameters.training.checkpoint
+
+    def _keep(self, save: Callable[[Path], None]) -> None:
+        state = {
+            "samples": self.samples,
+            "seconds": self.budget.seconds,
+            "episodes": self.episodes,
+            "limit": self.score.limit,
+            "validated": self._validated,
+            "validations": self.validations,
+        }
+        with self.folder.new_checkpoint(state) as folder:
+            save(folder)
+        self.write("running")
+        self._kept = time.monotonic()
+
+    def _validate(self, policy: Any, learner: dict[str, float]) -> dict[str, Any]:
+        """Sail the validation episodes; keep the policy if it is the best so far."""
+        sailed = validate(policy, self.config.scenario, self._seeds(self.episodes), self.score)
+        self._cost = sailed.seconds
+        self._validated += sailed.seconds
+        found = {**sailed.means, **learner, "samples": self.samples}
+        found["seconds"] = round(self.budget.seconds, 2)
+        self.validations.append(found)
+        if self.chosen is None or self.score.key(found) < self.score.key(self.chosen):
+            self.best, self.chosen = policy, found
+            self._save_best("running")
+        write_curve(self.validations, self.folder.path / CURVE_FILE)
+        return found
+
+    def end(
+        self,
+        samples: int,
+        policy: Callable[[], Any],
+        save: Callable[[Path], None],
+        judge: Callable[[Any], dict[str, Any]] | None = None,
+        **learner: float,
+    ) -> dict[str, Any]:
+        """Validate the last policy, judge the best one, write everything; returns the card."""
+        self.samples = samples
+        with self.budget.uncharged():
+            found = self._validate(policy(), learner)
+            self._keep(save)
+            if judge is not None:
+                self.final = judge(self.best)
+            self._save_best("complete")
+        if self._report:
+            self._report(1.0, found[self.score.name])
+        return self.write("complete")
+
+    def break_off(self, status: str, samples: int, save: Callable[[Path], None]) -> None:
+        """Keep what there is of a run that ends early."""
+        self.samples = samples
+        with self.budget.uncharged():
+            self._keep(save)
+            self.write(status)
+
+    def _save_best(self, status: str) -> None:
+        self.best.card = {**self.best.card, **self._card(status)}
+        save_policy(self.best, self.folder.path / POLICY_FILE)
+
+    def write(self, status: str) -> dict[str, Any]:
+        """Write the card and return it."""
+        card = self._card(status)
+        self.folder.write_card(card)
+        return card
+
+    def _card(self, status: str) -> dict[str, Any]:
+        budget = self.budget
+        card = {
+            "name": f"{self.config.algorithm}-{self.folder.path.name}",
+            "status": status,
+            "config": plain(self.config),
+            "budget": {"minutes": budget.minutes, "steps": budget.steps},
+            "samples": self.samples,
+            "seconds": round(budget.seconds, 2),
+            "used": round(self.used, 4),
+            "validation_seeds": [VALIDATION_SEED, VALIDATION_SEED + self.episodes - 1],
+            "score": self.score.text,
+            "validations": self.validations,
+            **self._told,
+        }
+        told = {"best": self.chosen, "final": self.final}
+        return card | {key: value for key, value in told.items() if value is not None}

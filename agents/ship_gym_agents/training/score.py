@@ -1,0 +1,99 @@
+"""How policies of a run are compared: one stated score, on validation seas."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ship_gym.evaluation.controller import Controller
+from ship_gym.evaluation.metrics import metrics, metrics_of
+from ship_gym.evaluation.rollout import rollout
+from ship_gym.scenarios.scenario import Scenario
+from ship_gym.tasks import TASKS
+
+_BESIDE = ("return", "success", "rudder_travel", "rudder_reversals")
+
+
+class Score(NamedTuple):
+    """The measure that policies are chosen by.
+
+    Attributes
+    ----------
+    name, unit, better : str
+        As in the metrics of the task; `better` is "lower" or "higher".
+    limit : float, optional
+        Rudder travel that should not be exceeded [deg/h].
+    """
+
+    name: str
+    unit: str
+    better: str
+    limit: float | None = None
+
+    @property
+    def text(self) -> str:
+        """The rule in words."""
+        unit = "" if self.unit == "-" else f" [{self.unit}]"
+        held = "" if self.limit is None else f"rudder travel up to {self.limit:.4g} deg/h, then "
+        return f"fewest failures, then {held}mean {self.name}{unit}, {self.better} is better"
+
+    def key(self, found: Mapping[str, Any]) -> tuple[float, bool, float, float]:
+        """Sort key of a validation: the best is the smallest.
+
+        Where no episode has a value, since all are too short, the return decides.
+        """
+        value, sign = found.get(self.name), 1.0 if self.better == "lower" else -1.0
+        above = self.limit is not None and found["rudder_travel"] > self.limit
+        return (
+            -found["success"],
+            above,
+            np.inf if value is None else sign * value,
+            -found["return"],
+        )
+
+
+def score_of(scenario: Scenario) -> Score:
+    """The score of a scenario: the headline of its task."""
+    task = TASKS[scenario.task]
+    metric = metrics_of(scenario.task)[task.headline]
+    return Score(task.headline, metric.unit, metric.better)
+
+
+class Validation(NamedTuple):
+    """Sailed validation episodes: means, the score of each episode, and how long it took [s]."""
+
+    means: dict[str, float | None]
+    each: list[float | None]
+    seconds: float
+
+
+def validate(
+    policy: Controller, scenario: Scenario, seeds: Sequence[int], score: Score | None = None
+) -> Validation:
+    """Sail one episode per seed.
+
+    Episodes that failed count as their metric says (``tasks.measures``); those without a value of
+    one are left out of its mean.
+
+    Returns
+    -------
+    Validation
+        Means of the score, return, success, rudder's travel and reversals; None where no episode
+        has a value.
+    """
+    began = time.monotonic()
+    score = score_of(scenario) if score is None else score
+    # One thread: threads that wait for each other on a shared machine are slower than none.
+    sailed = rollout(policy, scenario, seeds=seeds, parallel=False)
+    found = [metrics(episode) for episode in sailed.episodes]
+    columns = {n: [row[n] for row in found] for n in dict.fromkeys((score.name, *_BESIDE))}
+    means = {name: _mean(column) for name, column in columns.items()}
+    return Validation(means, columns[score.name], time.monotonic() - began)
+
+
+def _mean(column: Sequence[float | None]) -> float | None:
+    known = [value for value in column if value is not None]
+    return float(np.mean(known)) if known else None
