@@ -127,9 +127,7 @@ class LowPassFilter:
     def __call__(self, psi, r, v, delta, jump):
         """Filtered psi [rad], r', v' and no bias; see `ObserverFilter`."""
         rows = self._fresh.take()
-        before = [
-            begun(old, rows, new) for old, new in zip(self._seen, (psi, r, v), strict=True)
-        ]
+        before = [begun(old, rows, new) for old, new in zip(self._seen, (psi, r, v), strict=True)]
         change = wrap_angle(psi - before[0] - jump), r - before[1], v - before[2]
         psi = wrap_angle(before[0] + jump + self._share[0] * change[0])
         r, v = (before[k] + self._share[k] * change[k] for k in (1, 2))
