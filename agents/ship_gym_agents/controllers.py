@@ -41,8 +41,13 @@ PRETRAINED = Path(__file__).parent / "pretrained"
 
 
 def pretrained() -> list[str]:
-    """Names of the policies that come with the package; their card is in the file."""
-    return sorted(path.stem for path in PRETRAINED.glob("*.zip"))
+    """Names of the policies that come with the package."""
+    return sorted(path.stem for path in PRETRAINED.glob("*.safetensors"))
+
+
+def shipped_file(name: str) -> Path | None:
+    """File of a policy that comes with the package; None if there is none of that name."""
+    return PRETRAINED / f"{name}.safetensors" if name in pretrained() else None
 
 
 def make_controller(name_or_path: str | Path) -> Controller:
@@ -53,9 +58,9 @@ def make_controller(name_or_path: str | Path) -> Controller:
     name_or_path : str or path
         A key of `CONTROLLERS`; ``"name@ship"``: that controller with the gains of this ship,
         whatever ship sails; one of `pretrained()`; the path of a ``.toml`` file of gains, which
-        names its controller; the folder or ``.zip`` file of a policy trained by
-        ``ship-gym train``; or ``"file.py:Name"``: a controller of one's own, its class or what
-        makes it.
+        names its controller; the ``.safetensors`` file of a policy or the folder of a run of
+        ``ship-gym train``, for several seeds the median one; or ``"file.py:Name"``: a controller
+        of one's own, its class or what makes it.
 
     Raises
     ------
@@ -70,13 +75,12 @@ def make_controller(name_or_path: str | Path) -> Controller:
         return kind(load_gains(path, kind).gains, name=path.stem)
     if "@" in name and not path.exists():
         return _with_gains_of(*name.rsplit("@", 1))
-    shipped = name in pretrained()
-    if shipped or (name not in CONTROLLERS and path.exists()):
-        # Late: the import of this package is light, and an autopilot needs nothing of sb3.
-        from ship_gym_agents.sb3.policy import load_policy
+    if (file := shipped_file(name)) or (name not in CONTROLLERS and path.exists()):
+        # Late: the import of this package is light, and an autopilot needs no policies.
+        from ship_gym_agents.policies.policy_file import load_policy
 
-        policy = load_policy(PRETRAINED / f"{name}.zip" if shipped else path)
-        policy.name = name if shipped else policy.name
+        policy = load_policy(file or path)
+        policy.name = name if file else policy.name
         return policy
     if path.suffix or len(path.parts) > 1:
         raise ConfigError(f"{name}: no such policy; train one with: ship-gym train")

@@ -57,6 +57,11 @@ class DriftLOS(LOSPID):
         self._drift[:, rows], self._taken[:, rows] = 0.0, 0.0
         self._fresh.add(rows)
 
+    @property
+    def drift(self) -> np.ndarray:
+        """Estimated drift along and across the active leg over U0, shape (2, count)."""
+        return self._drift
+
     def _wanted(self, seen: View, jump: np.ndarray) -> np.ndarray:
         along, across = self._estimate(seen, jump)
         turn, cross = self._leg(seen)
@@ -80,7 +85,7 @@ class DriftLOS(LOSPID):
         known[0, first] = False
         known[0] &= (seen.to_go < _FARTHEST) & (seen.to_go > _BEHIND)
         # the mean of the first measurements, then of the last ones over `drift_time`
-        self._taken += known
+        self._taken = self._taken + known
         share = np.maximum(
             self._step / self._g.guidance.drift_time, 1.0 / np.maximum(self._taken, 1.0)
         )

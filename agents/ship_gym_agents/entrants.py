@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import Controller
 from ship_gym.evaluation.unit import Entrant
 from ship_gym.own_files import split
 from ship_gym.provenance import sha256
 from ship_gym_agents.autopilot import Autopilot
-from ship_gym_agents.controllers import PRETRAINED, make_controller
+from ship_gym_agents.controllers import CONTROLLERS, make_controller, shipped_file
 from ship_gym_agents.gains_files import tuned_files
 
 
-def entrant(named: str | Path) -> Entrant:
+def entrant(named: str | Path, shown: str | None = None) -> Entrant:
     """The controller of a name or file, as `make_controller` takes it, ready to travel.
+
+    Parameters
+    ----------
+    named : str or path
+    shown : str, optional
+        Its name in tables, instead of its own; see `distinct`.
 
     Raises
     ------
@@ -33,7 +40,55 @@ def entrant(named: str | Path) -> Entrant:
     if kind == "policy":
         about |= {"trained": trained(made.card)}
     make = functools.partial(make_controller, text)
-    return Entrant(str(named), made.name, make, kind, about | _told(made))
+    return Entrant(str(named), shown or made.name, make, kind, about | _told(made))
+
+
+def distinct(named: Sequence[str]) -> dict[str, str]:
+    """How policies of one name are told apart, such as the seeds of a run: by their paths.
+
+    Parameters
+    ----------
+    named : sequence of str
+        As `make_controller` takes them; those that are no files of policies are passed over.
+
+    Returns
+    -------
+    dict
+        Name or path to the name to show, of policies that would share one.
+    """
+    from ship_gym_agents.policies.policy_file import read_card
+
+    files = [text for text in dict.fromkeys(named) if _is_policy(text)]
+    names = {text: str(read_card(text).get("name")) for text in files}
+    own = list(names.values())
+    return {text: text.rstrip("/") for text, name in names.items() if own.count(name) > 1}
+
+
+def controllers_of(named: Sequence[str]) -> list[Controller]:
+    """Controllers to sail side by side, as `make_controller` makes them, each with its own name.
+
+    Raises
+    ------
+    ConfigError
+        As `make_controller`; none, or two of one name.
+    """
+    shown = distinct(named)
+    made = [make_controller(text) for text in named]
+    for text, controller in zip(named, made, strict=True):
+        controller.name = shown.get(text, controller.name)
+    names = [controller.name for controller in made]
+    if not names:
+        raise ConfigError("--controller: nothing to sail; name at least one")
+    if double := sorted({name for name in names if names.count(name) > 1}):
+        raise ConfigError(f"two controllers are named {double[0]!r}; give one another name")
+    return made
+
+
+def _is_policy(text: str) -> bool:
+    """Whether `make_controller` would read a policy from this path."""
+    path = Path(text)
+    usual = text in CONTROLLERS or shipped_file(text) or path.suffix == ".toml" or split(text)
+    return not usual and path.exists()
 
 
 def _absolute(named: str) -> str:
@@ -46,11 +101,12 @@ def _absolute(named: str) -> str:
 
 def _file(text: str) -> Path | None:
     """The file that decides what a controller does; None for one of the package's own code."""
-    from ship_gym_agents.sb3.policy import POLICY_FILE
+    if _is_policy(text):
+        from ship_gym_agents.policies.policy_file import policy_path
 
+        return policy_path(text)
     file = Path((split(text) or (text, ""))[0])
-    shipped = PRETRAINED / f"{text}.zip"
-    found = [path for path in (shipped, file / POLICY_FILE, file) if path.is_file()]
+    found = [path for path in (shipped_file(text), file) if path and path.is_file()]
     return found[0] if found else None
 
 

@@ -82,7 +82,7 @@ class JustInTime(ILOS):
         known[first] = 0.0
         self._current, self._before = known, np.array(seen.to_go)
         needed = seen.to_go / np.maximum(self._left, self._step) - self._current
-        self._left -= self._step
+        self._left = self._left - self._step
         share = self._calm * self._asked(np.clip(needed, _SLOWEST, _FASTEST), seen.surge)
         action[:, self._rpm] = 2.0 * (share + self._astern) / (1.0 + self._astern) - 1.0
         return np.clip(action, -1.0, 1.0)

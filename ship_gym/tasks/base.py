@@ -20,7 +20,11 @@ if TYPE_CHECKING:
 
 
 class Row(NamedTuple):
-    """One entry of an observation: its name, the symbol and unit for people, bounds, meaning."""
+    """One entry of an observation: its name, the symbol and unit for people, bounds, meaning.
+
+    `mirror` is what becomes of it when port and starboard change places: +1 it stays, -1 it
+    changes its sign, None nobody has said; then no learner can use that symmetry.
+    """
 
     name: str
     symbol: str
@@ -28,6 +32,7 @@ class Row(NamedTuple):
     low: float
     high: float
     meaning: str
+    mirror: int | None = None
 
 
 class Term(NamedTuple):

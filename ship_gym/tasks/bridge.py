@@ -22,15 +22,23 @@ from ship_gym.tasks.sensors import measured
 
 # psi_e as the task has it
 OBSERVATIONS = (
-    Row("sin_error", "sin(psi_e)", "-", -1.0, 1.0, "sine of the heading error"),
-    Row("cos_error", "cos(psi_e)", "-", -1.0, 1.0, "cosine of the heading error"),
-    Row("yaw_rate", "r L / U0", "-", -5.0, 5.0, "yaw rate, positive to starboard"),
-    Row("surge", "u / U0", "-", -3.0, 3.0, "surge velocity through the water"),
-    Row("sway", "v / U0", "-", -3.0, 3.0, "sway velocity through the water, positive to starboard"),
-    Row("rudder", "delta / delta_max", "-", -1.0, 1.0, "rudder angle achieved"),
-    Row("propeller", "n / n_max", "-", 0.0, 1.0, "propeller speed achieved"),
-    Row("rudder_command", "delta_c / delta_max", "-", -1.0, 1.0, "last rudder command"),
-    Row("propeller_command", "n_c / n_max", "-", 0.0, 1.0, "last propeller speed command"),
+    Row("sin_error", "sin(psi_e)", "-", -1.0, 1.0, "sine of the heading error", -1),
+    Row("cos_error", "cos(psi_e)", "-", -1.0, 1.0, "cosine of the heading error", 1),
+    Row("yaw_rate", "r L / U0", "-", -5.0, 5.0, "yaw rate, positive to starboard", -1),
+    Row("surge", "u / U0", "-", -3.0, 3.0, "surge velocity through the water", 1),
+    Row(
+        "sway",
+        "v / U0",
+        "-",
+        -3.0,
+        3.0,
+        "sway velocity through the water, positive to starboard",
+        -1,
+    ),
+    Row("rudder", "delta / delta_max", "-", -1.0, 1.0, "rudder angle achieved", -1),
+    Row("propeller", "n / n_max", "-", 0.0, 1.0, "propeller speed achieved", 1),
+    Row("rudder_command", "delta_c / delta_max", "-", -1.0, 1.0, "last rudder command", -1),
+    Row("propeller_command", "n_c / n_max", "-", 0.0, 1.0, "last propeller speed command", 1),
 )
 
 

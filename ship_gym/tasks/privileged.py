@@ -19,17 +19,20 @@ _FORCES = tuple(
         -5.0,
         5.0,
         f"{axis} of {name}, by 1/2 rho L d U0^2{length}",
+        mirror,
     )
     for name in FORCE_COMPONENTS
-    for axis, length in (("X", ""), ("Y", ""), ("N", " L"))
+    for axis, length, mirror in (("X", "", 1), ("Y", "", -1), ("N", " L", -1))
 )
 OBSERVATIONS = (
-    Row("current_ahead", "u_c / U0", "-", -3.0, 3.0, "current along the bow"),
-    Row("current_to_starboard", "v_c / U0", "-", -3.0, 3.0, "current to starboard"),
-    Row("wind_ahead", "u_w / U0", "-", -20.0, 20.0, "mean wind along the bow, over ground"),
-    Row("wind_to_starboard", "v_w / U0", "-", -20.0, 20.0, "mean wind to starboard, over ground"),
-    Row("wave_height", "H_s / d", "-", 0.0, 5.0, "significant wave height"),
-    Row("wave_period", "T_p sqrt(g/L) / 2 pi", "-", 0.0, 5.0, "peak period; 0 without waves"),
+    Row("current_ahead", "u_c / U0", "-", -3.0, 3.0, "current along the bow", 1),
+    Row("current_to_starboard", "v_c / U0", "-", -3.0, 3.0, "current to starboard", -1),
+    Row("wind_ahead", "u_w / U0", "-", -20.0, 20.0, "mean wind along the bow, over ground", 1),
+    Row(
+        "wind_to_starboard", "v_w / U0", "-", -20.0, 20.0, "mean wind to starboard, over ground", -1
+    ),
+    Row("wave_height", "H_s / d", "-", 0.0, 5.0, "significant wave height", 1),
+    Row("wave_period", "T_p sqrt(g/L) / 2 pi", "-", 0.0, 5.0, "peak period; 0 without waves", 1),
     Row(
         "sin_encounter",
         "sin(mu)",
@@ -37,6 +40,7 @@ OBSERVATIONS = (
         -1.0,
         1.0,
         "of the encounter angle psi - wave_direction_to; 0 without waves",
+        -1,
     ),
     Row(
         "cos_encounter",
@@ -45,6 +49,7 @@ OBSERVATIONS = (
         -1.0,
         1.0,
         "-1 in a head sea, 1 in a following one; 0 without waves",
+        1,
     ),
     *_FORCES,
 )

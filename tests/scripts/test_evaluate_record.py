@@ -4,7 +4,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from ship_gym_agents.cli import output
-from ship_gym_agents.sb3.policy import POLICY_FILE, Actor, Normaliser, SB3Policy, save_policy
+from ship_gym_agents.forms.form import Form
+from ship_gym_agents.policies.networks import Mlp
+from ship_gym_agents.policies.normaliser import no_scaling
+from ship_gym_agents.policies.policy import Policy
+from ship_gym_agents.policies.policy_file import POLICY_FILE, save_policy
 
 from ship_gym.config import ConfigError
 from ship_gym.tasks.bridge import OBSERVATIONS
@@ -32,10 +36,11 @@ def policy(tmp_path):
     """Folder of a policy that steers with rudder = -2 sin(psi_e) - r'."""
     weights = np.zeros((1, 9))
     weights[0, 0], weights[0, 2] = -2.0, -1.0
-    actor = Actor((weights,), (np.zeros(1),), "tanh", "clip")
-    card = {"name": "tiny", "observations": [row[0] for row in OBSERVATIONS]}
-    scaling = Normaliser(np.zeros(9), np.ones(9), 10.0)
-    save_policy(SB3Policy(actor, scaling, card), tmp_path / "run" / POLICY_FILE)
+    features = [f"observation.{row[0]}" for row in OBSERVATIONS]
+    card = {"name": "tiny", "features": features, "decisions": ["rudder"]}
+    made = Policy(Form(), no_scaling(9), Mlp((weights,), (np.zeros(1),)), card)
+    for folder in ("run", "run/seed_0", "run/seed_1"):
+        save_policy(made, tmp_path / folder / POLICY_FILE)
     return "run"
 
 
@@ -50,7 +55,16 @@ def test_evaluate_a_policy(cli, policy, tmp_path):
 
 def test_policy_for_another_control_is_refused_before_work(cli, policy):
     code, out, err = cli("evaluate", "--policy", policy, "--control", "rudder+rpm")
-    assert (code, out) == (2, "") and "trained for control = 'rudder'" in err
+    assert (code, out) == (2, "") and "decisions" in err and "rpm new" in err
+
+
+def test_several_policies_are_told_apart_by_their_paths(cli, policy, tmp_path):
+    given = ("run/seed_0", "run/seed_1", "run")
+    code, out, _ = cli("evaluate", "--policy", *given, "--controller", "pid", "--episodes", 1)
+    assert code == 0 and "wrote runs/evaluation.json" in out
+    found = json.loads((tmp_path / "runs" / "evaluation.json").read_text())
+    assert list(found["controllers"]) == [*given, "pid"]
+    assert found["episodes"]["run/seed_0"] == found["episodes"]["run"]
 
 
 @pytest.mark.parametrize(
@@ -97,6 +111,18 @@ def test_record_and_review(cli, tmp_path):
     code, out, _ = cli("review", recorded["file"], "--csv")
     rows = dict(line.split(",", 1) for line in out.splitlines())
     assert float(rows["J_1"].split(",")[1]) == recorded["metrics"]["J_1"]
+
+
+def test_record_several_controllers(cli, policy, tmp_path):
+    pytest.importorskip("rerun")
+    given = ("--policy", "run", "run/seed_1", "--controller", "pid", "--out", "a.rrd")
+    code, out, _ = cli("record", *given, "--json")
+    found = json.loads(out)
+    files = [one["file"] for one in found["recordings"]]
+    assert code == 0 and files == ["a-run.rrd", "a-run-seed_1.rrd", "a-pid.rrd"]
+    assert all((tmp_path / file).is_file() for file in files)
+    assert [one["controller"] for one in found["recordings"]] == ["run", "run/seed_1", "pid"]
+    assert found["next"].endswith(" ".join(files))
 
 
 def test_review_refuses_other_files(cli, tmp_path):

@@ -121,7 +121,7 @@ def test_scripts_are_the_verbs(monkeypatch, capsys, verb, script):
         (["evaluate", "--controllers"], ["nothing to sail"]),
         (["evaluate", "--scenario", "none.toml"], ["none.toml: no such file"]),
         (["record", "--out", "x.mp4"], ["--out x.mp4: allowed is a .rrd file"]),
-        (["record", "--policy", "a", "--controller", "b"], ["allowed is one of them"]),
+        (["record", "--policy", "pid", "--controller", "pid"], ["two controllers are named 'pid'"]),
         (["record", "--out", "file/x.rrd"], ["file is a file, not a folder"]),
         (["review"], ["FILE"]),
         (["simulate", "zigzag", "--delta", "10", "--psi", "-10"], ["10 deg", "-10 deg"]),

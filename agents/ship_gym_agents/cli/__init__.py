@@ -25,6 +25,7 @@ VERBS = {
     "bound": "Estimate the best that control can reach: optimised plans with full knowledge.",
     "record": "Record one episode as a rerun file, read it back and compute its metrics.",
     "review": "Print the metrics of recordings side by side, computed from the files.",
+    "export": "Write a policy as ONNX for other programs, or as safetensors from older files.",
     "simulate": "Sail a standard manoeuvre or all trials of a ship.",
     "trials": "Sail every trial of every ship and compare, with the scatter of the facilities.",
     "linearise": "Linearise a ship on a straight course: derivatives, Nomoto's K and T, stability.",

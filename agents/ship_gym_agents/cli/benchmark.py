@@ -31,6 +31,9 @@ from ship_gym_agents.cli.values import Name, Number, OutFolder, whole
 )
 @click.option(
     "--controllers",
+    "--controller",
+    "--policy",
+    "controllers",
     cls=Several,
     type=Name("controllers"),
     help="Names, policies, gains or your own FILE.py:NAME; default: the suite's. "
@@ -75,7 +78,7 @@ def command(as_json, suites, resume, report, trials, **options) -> None:
     from ship_gym.evaluation.run_folder import EPISODES, REPORT
     from ship_gym.evaluation.summary import as_text, summary
     from ship_gym_agents.cli.manoeuvres import sail_suites, split
-    from ship_gym_agents.entrants import entrant
+    from ship_gym_agents.entrants import distinct, entrant
 
     again = _again(suites, options | {"trials": trials})
     suites, hulls = split(suites, trials)
@@ -83,9 +86,11 @@ def command(as_json, suites, resume, report, trials, **options) -> None:
         moved = sail_suites(hulls, report=report, command=again, **options)
         show(as_json, moved.data, moved.text)
         return
+    shown = distinct(options["controllers"])
+    named = lambda text: entrant(text, shown.get(text))  # noqa: E731
     try:
         results = benchmark(
-            list(suites), entrant, fresh=not resume, progress=progress, command=again, **options
+            list(suites), named, fresh=not resume, progress=progress, command=again, **options
         )
     except KeyboardInterrupt as stop:
         raise KeyboardInterrupt(f"{stop}: {again}") from None

@@ -12,10 +12,16 @@ from ship_gym_agents.cli.values import Name, whole
 
 
 @verb(
-    "--policy runs/quickstart",
+    "--policy runs/quickstart ppo_kcs",
     "--controller mylqr.py:LQR pid --ship kvlcc2 --episodes 128 --markdown",
 )
-@click.option("--policy", type=Name("controllers"), help="Folder or file of a trained policy.")
+@click.option(
+    "--policy",
+    "policies",
+    cls=Several,
+    type=Name("controllers"),
+    help="Files of trained policies or folders of runs; a run of several seeds: its median one.",
+)
 @click.option(
     "--controller",
     "--controllers",
@@ -25,11 +31,11 @@ from ship_gym_agents.cli.values import Name, whole
     help="Sail these (too): names, policies, gains or your own FILE.py:NAME; "
     "default: the autopilots of the task.",
 )
-@environment("the policy's, else heading_keeping, kcs, rudder")
+@environment("those of the first policy, else heading_keeping, kcs, rudder")
 @click.option("--episodes", type=whole(1, 10**6), default=32, help="Number of seeds.")
-@out(".json", "Results; default: evaluation.json, in runs or the policy's folder.")
+@out(".json", "Results; default: evaluation.json, in runs or the folder of the one policy.")
 @click.option("--markdown", is_flag=True, help="Print the tables for a README.")
-def command(as_json, policy, controllers, task, episodes, out, markdown, **options) -> None:
+def command(as_json, policies, controllers, task, episodes, out, markdown, **options) -> None:
     """Sail controllers on the same evaluation episodes; print their metrics.
 
     Intervals: 95 % bootstrap over the episodes.
@@ -39,13 +45,13 @@ def command(as_json, policy, controllers, task, episodes, out, markdown, **optio
     from ship_gym_agents.cli.sailing import again
 
     seeds = evaluation_seeds(episodes)
-    named, rollouts = _sail(policy, list(controllers), seeds, task, options)
+    named, rollouts = _sail(list(policies), list(controllers), seeds, task, options)
     sailed = [r.controller for r in rollouts]
     usual = rollouts[0].task.controllers[0]
     found = compare(rollouts, usual if usual in sailed else None)
-    out = out or _folder(policy) / "evaluation.json"
+    out = out or _folder(policies) / "evaluation.json"
     _write(found, out)
-    first = {"policy": policy} if policy else {"controller": named[0]}
+    first = {"policy": policies[0]} if policies else {"controller": named[0]}
     following = next_command("record", **first, **again(options, task))
     text = (
         f"{found['ship']}, {len(seeds)} episodes (seeds {seeds[0]} to {seeds[-1]}), interquartile "
@@ -56,22 +62,22 @@ def command(as_json, policy, controllers, task, episodes, out, markdown, **optio
 
 
 def _sail(
-    policy: str | None, others: list[str], seeds: list[int], task: str | None, options: dict
+    policies: list[str], others: list[str], seeds: list[int], task: str | None, options: dict
 ) -> tuple[list[str], list]:
     """The controllers as named and a rollout of each, all refused before the first one sails."""
     from ship_gym.evaluation.guard import Guarded
     from ship_gym.evaluation.rollout import begin
     from ship_gym_agents.cli.sailing import check_task, own_task, wanted
     from ship_gym_agents.controllers import make_controller, trained_for
+    from ship_gym_agents.entrants import controllers_of
 
     name = own_task(task)
-    first = [make_controller(policy)] if policy else []
-    env = wanted(options, name, trained_for(first[0]) if policy else None)
+    first = [make_controller(policy) for policy in policies[:1]]
+    env = wanted(options, name, trained_for(first[0]) if first else None)
     start = begin(seeds[:1], **env)
     check_task(start.scenario.task, name, options["scenario"])
     named = [name for name in others or start.task.controllers if name]
-    controllers = first + [make_controller(name) for name in named]
-    _check_names(controllers)
+    controllers = controllers_of([*policies, *named])
     for controller in controllers:
         Guarded(controller, seeds[:1]).reset(1, start.ship, start.scenario)
     return named, [_sailed(controller, seeds, env) for controller in controllers]
@@ -92,19 +98,9 @@ def _sailed(controller: Any, seeds: list[int], env: dict[str, Any]) -> Any:
         raise
 
 
-def _check_names(controllers: list) -> None:
-    """Refuse two controllers of one name: their results could not be told apart."""
-    from ship_gym.config import ConfigError
-
-    names = [controller.name for controller in controllers]
-    if not names:
-        raise ConfigError("--controller: nothing to sail; name at least one")
-    if double := sorted({name for name in names if names.count(name) > 1}):
-        raise ConfigError(f"two controllers are named {double[0]!r}; give one another name")
-
-
-def _folder(policy: str | None) -> Path:
-    return Path(policy) if policy and Path(policy).is_dir() else Path("runs")
+def _folder(policies: tuple[str, ...]) -> Path:
+    one = Path(policies[0]) if len(policies) == 1 else Path("runs")
+    return one if one.is_dir() else Path("runs")
 
 
 def _write(found: dict[str, Any], path: Path) -> None:

@@ -68,8 +68,20 @@ def _about(kind: str, name: str) -> str:
     if kind == "controllers":
         from ship_gym_agents.controllers import CONTROLLERS
 
-        return _first_line(CONTROLLERS[name]) if name in CONTROLLERS else "trained policy"
+        return _first_line(CONTROLLERS[name]) if name in CONTROLLERS else _policy(name)
     return ""
+
+
+def _policy(name: str) -> str:
+    """What the card of a shipped policy says; the numbers of the file are not read."""
+    from ship_gym_agents.controllers import shipped_file
+    from ship_gym_agents.policies.policy_file import read_card
+
+    card = read_card(shipped_file(name))
+    config = card.get("config", {})
+    scenario = config.get("scenario", {})
+    where = f" for {scenario['ship']} in {scenario['task']}" if scenario else ""
+    return f"trained policy, {config.get('algorithm', 'of another program')}{where}"
 
 
 def _surrogates(ship: str) -> dict[str, str]:

@@ -54,6 +54,13 @@ def algorithms() -> list[str]:
     return list(OPTIONS)
 
 
+def recipes() -> list[str]:
+    """Plans of training that come with the package."""
+    from ship_gym_agents.sb3.config import available_recipes
+
+    return available_recipes()
+
+
 def suites() -> list[str]:
     """Suites of benchmarks."""
     from ship_gym.evaluation.suite import ALL, available_suites
@@ -76,6 +83,7 @@ NAMES: dict[str, Callable[[], list[str]]] = {
     "seas": seas,
     "algorithms": algorithms,
     "controls": controls,
+    "recipes": recipes,
     "suites": suites,
     "engines": engines,
 }

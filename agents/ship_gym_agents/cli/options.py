@@ -11,6 +11,7 @@ import click
 
 from ship_gym_agents.cli.values import Name, OutFile, whole
 
+TYPED = "ship_gym.typed"  # of a context's meta: the words behind the verb
 SEEDS = 2**32 - 1  # the largest seed that every random generator here takes
 
 
@@ -42,6 +43,7 @@ class Verb(click.Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse with ``--option a b`` as ``--option a --option b`` where an option allows it."""
+        ctx.meta[TYPED] = [*args]
         return super().parse_args(ctx, self._expanded(args))
 
     def _expanded(self, args: list[str]) -> list[str]:

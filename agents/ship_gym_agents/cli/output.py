@@ -23,6 +23,7 @@ _EXTRAS = {
     "joblib": ("bem", "wave tables"),
     "stable_baselines3": ("rl", "training"),
     "torch": ("rl", "training"),
+    "onnx": ("onnx", "ONNX files"),
 }
 
 

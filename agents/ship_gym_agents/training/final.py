@@ -19,7 +19,8 @@ from ship_gym.tasks import TASKS
 from ship_gym_agents.controllers import make_controller
 from ship_gym_agents.training.score import Score, Validation, validate
 
-_MORE = ("adaptive", "just_in_time")  # where they can steer, beside the usual one of the task
+# beside the usual one of a task, where they can steer
+_MORE = {"pid": ("adaptive",), "drift_los": ("just_in_time",)}
 BETTER, WORSE, OPEN = "better than", "worse than", "no difference shown from"
 
 
@@ -30,7 +31,8 @@ def references(scenario: Scenario, base: str = "") -> list[str]:
     is built on.
     """
     usual = [name for name in TASKS[scenario.task].controllers if name != "constant"][:1]
-    names = dict.fromkeys((*usual, *_MORE, *([base] if base else [])))
+    more = [name for one in usual for name in _MORE.get(one, ())]
+    names = dict.fromkeys((*usual, *more, *([base] if base else [])))
     return [name for name in names if _can_steer(name, scenario)]
 
 

@@ -92,7 +92,7 @@ class Run:
         self._cost, self._due, self._kept = 0.0, 0.0, time.monotonic()
         self.best = load_policy(folder.path) if self.validations else None
         self.chosen: dict[str, Any] | None = self.best.card["best"] if self.best else None
-        self._told = (told or {}) | provenance()
+        self._told = (told or {}) | self._of_before | provenance()
         self.final: dict[str, Any] | None = None
         self.write("running")
 
@@ -105,6 +105,7 @@ class Run:
             raise ConfigError(
                 f"{self.folder.path}: cannot resume with another config than in {CARD_FILE}"
             )
+        self._of_before = {key: card[key] for key in ("command", "init") if key in (card or {})}
         state = self.folder.state()
         if state is None:
             self.folder.clear()

@@ -24,7 +24,7 @@ from ship_gym_agents.sb3.algorithms import (
     warm_start,
 )
 from ship_gym_agents.sb3.config import RunConfig
-from ship_gym_agents.sb3.environments import form_envs, make_env
+from ship_gym_agents.sb3.environments import form_env, make_env
 from ship_gym_agents.sb3.sections import Price
 from ship_gym_agents.training.run import Run
 from ship_gym_agents.training.supervisor import Supervisor
@@ -112,8 +112,7 @@ class _SB3Run:
         """Price of the rudder's travel, where it is a multiplier."""
         if not self.hyper.price.limit:
             return {}
-        prices = [part.price.travel_price for part in form_envs(self.model.get_env())]
-        return {"multiplier": float(np.mean(prices))}
+        return {"multiplier": form_env(self.model.get_env()).price.travel_price}
 
     def learn(self, bar: Any, judge: Callable | None) -> dict[str, Any]:
         """Train to the end of the budget."""

@@ -35,6 +35,7 @@ OBSERVATIONS = (
         -10.0,
         10.0,
         "cross-track error, positive to starboard of the leg",
+        -1,
     ),
     Row(
         "cross_track_rate",
@@ -43,8 +44,9 @@ OBSERVATIONS = (
         -3.0,
         3.0,
         "its rate: speed over ground across the leg",
+        -1,
     ),
-    Row("to_go", "s / L", "-", -5.0, 50.0, "distance to go along the leg"),
+    Row("to_go", "s / L", "-", -5.0, 50.0, "distance to go along the leg", 1),
     Row(
         "next_turn",
         "d_chi / pi",
@@ -52,6 +54,7 @@ OBSERVATIONS = (
         -1.0,
         1.0,
         "course change at its end, positive to starboard; last leg: 0",
+        -1,
     ),
     Row(
         "sin_look_ahead",
@@ -60,8 +63,9 @@ OBSERVATIONS = (
         -1.0,
         1.0,
         "sine of the look-ahead error, heading - line of sight",
+        -1,
     ),
-    Row("cos_look_ahead", "cos(psi_l)", "-", -1.0, 1.0, "cosine of the look-ahead error"),
+    Row("cos_look_ahead", "cos(psi_l)", "-", -1.0, 1.0, "cosine of the look-ahead error", 1),
 )
 FIELDS = (
     ("active", np.int64),  # active leg, and how many way-points there are
