@@ -27,7 +27,7 @@ from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.provenance import atomic_path
 
 EXAMPLES = """examples:
-  python docs/examples/ppo_torch.py --envs 128 --iterations 300
+  python docs/examples/ppo_torch.py --envs 128 --minibatch 4096 --iterations 300
   python docs/examples/ppo_torch.py --device cuda --envs 16384 --minibatch 16384 --json"""
 ENV_ID = "ShipGym/HeadingKeeping-v0"
 

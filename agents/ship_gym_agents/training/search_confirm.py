@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from ship_gym.evaluation.engines import Work, engine_of
 from ship_gym.evaluation.splits import tuning_seeds
 from ship_gym.provenance import atomic_path
+from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training.search_plan import Plan, held, trained
 from ship_gym_agents.training.search_space import with_settings
 
@@ -34,6 +35,11 @@ def _lost(job: _Job, what: str) -> None:
     """Nothing: the comparison goes without this run."""
 
 
+def is_before(plan: Plan, settings: Mapping[str, Any]) -> bool:
+    """Whether settings leave the config as it is."""
+    return run_config(**with_settings(plan.given, settings)) == run_config(**plan.given)
+
+
 def confirm(
     plan: Plan,
     out: str | Path,
@@ -44,6 +50,8 @@ def confirm(
     address: str | None = None,
 ) -> Iterator[tuple[str, int, list[float | None]]]:
     """Train the winner and the config of before again, with seeds that no trial had.
+
+    Nothing where the two are the same.
 
     Parameters
     ----------
@@ -61,6 +69,8 @@ def confirm(
     each : list
         Score of each judging episode, on tuning seeds behind those of the trials.
     """
+    if is_before(plan, settings):
+        return
     out = Path(out).resolve()
     run = engine_of(engine, jobs, address, Work(_do_confirm, _lost))
     both = [("best", settings), ("before", {})]

@@ -6,6 +6,7 @@ import contextlib
 import dataclasses
 import json
 import shutil
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -128,7 +129,10 @@ def trained(
     shutil.rmtree(folder, ignore_errors=True)  # of a search that was killed
     budget = {"minutes": plan.minutes, "steps": plan.steps}
     try:
-        train(config, folder, **budget, report=report, final=False, command="tune-agent")
+        with warnings.catch_warnings():
+            # n_steps and batch_size are drawn each by itself; a last short batch is no harm
+            warnings.filterwarnings("ignore", "You have specified a mini-batch size")
+            train(config, folder, **budget, report=report, final=False, command="tune-agent")
         return validate(load_policy(folder), config.scenario, judging)
     finally:
         for part in ("checkpoint", "tensorboard"):

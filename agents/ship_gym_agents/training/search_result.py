@@ -17,11 +17,63 @@ from ship_gym.text import table
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.sb3.sections import load_hyperparameters
 from ship_gym_agents.training.score import Score, score_of
+from ship_gym_agents.training.search_confirm import is_before
 from ship_gym_agents.training.search_plan import Plan, Trial, mean_of
 from ship_gym_agents.training.search_space import with_settings
 
 BEST_FILE, TABLE_FILE, PICTURE_FILE = "best.toml", "trials.csv", "trials.png"
 _SHOWN = 10  # trials of the printed table
+
+
+def report(
+    plan: Plan,
+    trials: Sequence[Trial],
+    out: str | Path,
+    runs: Sequence[tuple[str, int, list[float | None]]] = (),
+) -> dict[str, Any]:
+    """Write ``best.toml``, ``trials.csv`` and ``trials.png``.
+
+    Parameters
+    ----------
+    plan : Plan
+    trials : sequence of Trial
+    out : path
+        Folder of the search.
+    runs : sequence
+        What ``search_confirm.confirm`` yielded.
+
+    Returns
+    -------
+    dict
+        For ``--json``: ``best`` (trial, settings, score), ``score`` (name, unit, better),
+        ``trials``, ``confirmed`` (see `confirmed`, or None), ``best_file``, and the ``text``.
+
+    Raises
+    ------
+    ConfigError
+        No trial is complete.
+    """
+    out, config = Path(out), run_config(**plan.given)
+    score = score_of(config.scenario)
+    write_table(trials, out / TABLE_FILE)
+    best = ranked(trials, score)
+    write_best(plan, best[0], len(trials), out / BEST_FILE)
+    scenario = config.scenario
+    title = f"{config.algorithm}, {scenario.task}, {scenario.ship}: {len(trials)} trials"
+    picture = draw_trials(trials, score, title, out / PICTURE_FILE)
+    proved = confirmed(runs, score)
+    written = [out / BEST_FILE, TABLE_FILE, *([PICTURE_FILE] if picture else [])]
+    lines = [in_words(best, trials, score), *([proved["text"]] if proved else [])]
+    if is_before(plan, best[0].settings):
+        lines.append("the best are the hyperparameters of before: nothing was gained")
+    return {
+        "best": best[0]._asdict(),
+        "score": score._asdict(),
+        "trials": [trial._asdict() for trial in trials],
+        "confirmed": proved,
+        "best_file": str(out / BEST_FILE),
+        "text": "\n".join([*lines, f"wrote {', '.join(map(str, written))}"]),
+    }
 
 
 def ranked(trials: Sequence[Trial], score: Score) -> list[Trial]:
@@ -63,17 +115,21 @@ def write_best(plan: Plan, trial: Trial, trials: int, path: Path) -> None:
     for section, values in new.items():
         changed = {key: value for key, value in values.items() if value != old[section].get(key)}
         if changed:
-            lines += ["", f"[{section}]", *(f"{key} = {_toml(v)}" for key, v in changed.items())]
+            lines += [
+                "",
+                f"[{section}]",
+                *(f"{key} = {toml_value(v)}" for key, v in changed.items()),
+            ]
     with atomic_path(path) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _toml(value: Any) -> str:
+def toml_value(value: Any) -> str:
     """A value as TOML writes it: as JSON does, but for tables."""
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f'"{key}" = {_toml(v)}' for key, v in value.items()) + " }"
+        return "{ " + ", ".join(f'"{key}" = {toml_value(v)}' for key, v in value.items()) + " }"
     if isinstance(value, list):
-        return "[" + ", ".join(map(_toml, value)) + "]"
+        return "[" + ", ".join(map(toml_value, value)) + "]"
     return json.dumps(value)
 
 
