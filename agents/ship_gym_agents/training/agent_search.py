@@ -14,12 +14,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ship_gym.config import ConfigError
+from ship_gym.evaluation.controller import ConstantController
 from ship_gym.evaluation.engines import Work, engine_of
 from ship_gym.evaluation.splits import tuning_seeds
 from ship_gym.provenance import atomic_path, provenance
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training.run import Report
-from ship_gym_agents.training.score import score_of
+from ship_gym_agents.training.score import score_of, validate
 from ship_gym_agents.training.search_plan import Plan, Trial, held, mean_of, trained
 from ship_gym_agents.training.search_space import start_of, with_settings
 from ship_gym_agents.training.train import need_libraries
@@ -78,6 +79,7 @@ def search(
     out = Path(out).resolve()
     run = engine_of(engine, jobs, address, Work(_do_trial, _lost))
     with held(out):
+        _check_score(plan)
         _check_earlier(plan, out, resume)
         study = _study(plan, out, 0)
         _clean(study, plan)
@@ -87,6 +89,17 @@ def search(
             if trial is not None:
                 told(trial)
     return trials_of(plan, out)
+
+
+def _check_score(plan: Plan) -> None:
+    """Refuse episodes without a value of the score, as those too short for a steady part."""
+    scenario = run_config(**plan.given).scenario
+    name = score_of(scenario).name
+    if validate(ConstantController(), scenario, tuning_seeds(2)).means[name] is None:
+        raise ConfigError(
+            f"duration = {scenario.duration:g} s: an episode has no {name}, by which trials are "
+            "judged; allowed is a longer one"
+        )
 
 
 def _check_earlier(plan: Plan, out: Path, resume: bool) -> None:
@@ -143,11 +156,16 @@ def _clean(study: Any, plan: Plan) -> None:
 
 def trials_of(plan: Plan, out: Path) -> list[Trial]:
     """Trials of a search that have ended, by number."""
+    return _ended(_study(plan, out, 0))
+
+
+def _ended(study: Any, numbers: slice = slice(None)) -> list[Trial]:
+    """Trials of a study that have ended, of those in `numbers`."""
     from optuna.trial import TrialState
 
     states = {TrialState.COMPLETE: "complete", TrialState.PRUNED: "pruned"}
     found = []
-    for trial in _study(plan, out, 0).get_trials(deepcopy=False):
+    for trial in study.get_trials(deepcopy=False)[numbers]:
         own = trial.user_attrs
         if trial.state in states:
             shown = list(trial.intermediate_values.values())
@@ -180,22 +198,20 @@ def _do_trial(job: _Job) -> Trial:
         trial.set_user_attr("each", each)
         trial.set_user_attr("means", means)
         study.tell(trial, mean_of(each))
-    return next(one for one in trials_of(plan, job.out) if one.number == trial.number)
+    return _ended(study, slice(trial.number, trial.number + 1))[0]
 
 
 def _sailed_trial(plan: Plan, out: Path, trial: Any, settings: Mapping[str, Any]):
     """Train once for each seed; scores of all judging episodes, means of the metrics."""
     given = with_settings(plan.given, settings)
-    first, judging = given.get("seed") or 0, tuning_seeds(plan.episodes)
+    config = run_config(**given)
+    judging, validations = tuning_seeds(plan.episodes), config.hyperparameters.training.validations
     folder, parts = out / "trials" / f"{trial.number:04d}", []
     for k in range(plan.seeds):
-        given["seed"] = first + k
-        report = _reporter(trial, k, run_config(**given).hyperparameters.training.validations)
+        given["seed"] = config.seed + k
+        report = _reporter(trial, k, validations)
         parts.append(trained(plan, given, folder / f"seed_{k}", judging, report))
     each = [value for part in parts for value in part.each]
-    if mean_of(each) is None:
-        name = score_of(run_config(**given).scenario).name
-        raise ConfigError(f"no episode has a value of {name}: allowed is a longer duration")
     return each, {name: mean_of([p.means[name] for p in parts]) for name in parts[0].means}
 
 

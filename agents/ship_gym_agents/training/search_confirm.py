@@ -94,7 +94,7 @@ def _do_confirm(job: _Job) -> list[float | None]:
         if found["settings"] == key:
             return found["each"]
     given = with_settings(plan.given, job.settings)
-    given["seed"] = (given.get("seed") or 0) + _FRESH + job.number
+    given["seed"] = run_config(**given).seed + _FRESH + job.number
     judging = tuning_seeds(2 * plan.episodes)[plan.episodes :]
     each = trained(plan, given, folder, judging).each
     with atomic_path(file) as temporary:
