@@ -1,6 +1,6 @@
 """What a decision in [-1, 1] does: four kinds of actions by name.
 
-Each is made for a `Voyage` and asked every interval. Until the first decision of an episode, and
+Each is made for a `Sailing` and asked every interval. Until the first decision of an episode, and
 with decision 0 where there is a base, the base steers alone; without one the rudder stays amidships
 and the propeller at self-propulsion.
 """
@@ -15,7 +15,7 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.tasks.columns import action_columns
-from ship_gym_agents.forms.look import Look, Voyage
+from ship_gym_agents.forms.look import Look, Sailing
 
 
 class Action:
@@ -35,14 +35,14 @@ class Action:
     on_base: ClassVar[bool] = False
     first: ClassVar[str] = "rudder"
 
-    def __init__(self, voyage: Voyage):
-        self._columns, form = action_columns(voyage.scenario), voyage.form
+    def __init__(self, sailing: Sailing):
+        self._columns, form = action_columns(sailing.scenario), sailing.form
         self._scales = [form.scale]
         with_rpm = self._turns_propeller(form)
         if form.scale_rpm > 0.0 and not with_rpm:
             raise ConfigError(
                 f"form.scale_rpm = {form.scale_rpm}: needs control = 'rudder+rpm', not "
-                f"{voyage.scenario.control!r}"
+                f"{sailing.scenario.control!r}"
             )
         self.decisions: tuple[str, ...] = (self.first, "rpm") if with_rpm else (self.first,)
         self._columns_of_decisions = [self._columns["rudder"]]
@@ -65,9 +65,9 @@ class Action:
 class Direct(Action):
     """The decision is the action."""
 
-    def __init__(self, voyage: Voyage):
-        super().__init__(voyage)
-        self._order = self._steady = _steady(voyage)
+    def __init__(self, sailing: Sailing):
+        super().__init__(sailing)
+        self._order = self._steady = _steady(sailing)
 
     def _turns_propeller(self, form) -> bool:
         return "rpm" in self._columns
@@ -88,11 +88,11 @@ class Direct(Action):
 class Increment(Direct):
     """The decision moves the order on, 1 by as much as the gear moves until the next one."""
 
-    def __init__(self, voyage: Voyage):
-        super().__init__(voyage)
-        gear, interval = voyage.ship.gear, voyage.scenario.control_interval
-        stroke = gear.rate * interval / voyage.ship.time_unit / gear.delta_max
-        self._scales[0] *= stroke * voyage.form.every
+    def __init__(self, sailing: Sailing):
+        super().__init__(sailing)
+        gear, interval = sailing.ship.gear, sailing.scenario.control_interval
+        stroke = gear.rate * interval / sailing.ship.time_unit / gear.delta_max
+        self._scales[0] *= stroke * sailing.form.every
 
     def _turns_propeller(self, form) -> bool:
         return Action._turns_propeller(self, form)
@@ -110,9 +110,9 @@ class Residual(Action):
     largest = 2.0  # from hard over to hard over the other way
     on_base = True
 
-    def __init__(self, voyage: Voyage):
-        super().__init__(voyage)
-        self._held = np.zeros((voyage.count, len(self.decisions)))
+    def __init__(self, sailing: Sailing):
+        super().__init__(sailing)
+        self._held = np.zeros((sailing.count, len(self.decisions)))
 
     def act(self, look: Look, decision: np.ndarray | None) -> np.ndarray:
         """See `Action.act`."""
@@ -148,11 +148,11 @@ ACTIONS: dict[str, type[Action]] = {
 }
 
 
-def _steady(voyage: Voyage) -> np.ndarray:
+def _steady(sailing: Sailing) -> np.ndarray:
     """Rudder amidships at self-propulsion, shape (count, n_actions)."""
     steady = ConstantController()
-    steady.reset(voyage.count, voyage.ship, voyage.scenario)
-    return np.array(steady.act(np.empty((voyage.count, 0))))
+    steady.reset(sailing.count, sailing.ship, sailing.scenario)
+    return np.array(steady.act(np.empty((sailing.count, 0))))
 
 
 def _added(action: np.ndarray, columns: list[int], decision: np.ndarray, scales: list[float]):

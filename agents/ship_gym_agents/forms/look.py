@@ -1,4 +1,4 @@
-"""What blocks of features and actions are made from: the voyage once, a look every interval."""
+"""What blocks of features and actions are made from: the sailing once, a look every interval."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ship_gym_agents.forms.form import Form
 
 
-class Voyage(NamedTuple):
+class Sailing(NamedTuple):
     """What does not change while `count` ships of one kind sail a scenario.
 
     Attributes

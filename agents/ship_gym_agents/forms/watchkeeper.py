@@ -11,9 +11,10 @@ from ship_gym.tasks.columns import observation_columns
 from ship_gym_agents.autopilot import Autopilot
 from ship_gym_agents.controllers import make_controller
 from ship_gym_agents.forms.actions import ACTIONS
-from ship_gym_agents.forms.features import BLOCKS, LIMIT, PRODUCTS, pairs
+from ship_gym_agents.forms.block import LIMIT
+from ship_gym_agents.forms.features import BLOCKS, PRODUCTS, pairs
 from ship_gym_agents.forms.form import Form
-from ship_gym_agents.forms.look import Look, Voyage
+from ship_gym_agents.forms.look import Look, Sailing
 from ship_gym_agents.fresh import Fresh, begun
 
 
@@ -33,10 +34,10 @@ class Watchkeeper:
         self._columns = observation_columns(scenario)
         base = _base(form.base, count, ship, scenario)
         step = scenario.control_interval / ship.time_unit * ship.speed / ship.hull.L
-        voyage = Voyage(form, count, ship, scenario, base, step)
+        sailing = Sailing(form, count, ship, scenario, base, step)
         self._base, self._steers_last = base, form.action == "guidance"
-        self.action = ACTIONS[form.action](voyage)
-        self._blocks = [BLOCKS[name](voyage) for name in form.features if name != PRODUCTS]
+        self.action = ACTIONS[form.action](sailing)
+        self._blocks = [BLOCKS[name](sailing) for name in form.features if name != PRODUCTS]
         self._names_now(PRODUCTS in form.features)
         self._lags, self._past = form.lags, None
         self.names = list(self._now)

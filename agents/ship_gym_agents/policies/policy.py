@@ -15,6 +15,7 @@ from ship_gym_agents.controllers import make_controller
 from ship_gym_agents.forms.form import Form
 from ship_gym_agents.forms.helm import Helm
 from ship_gym_agents.gains_files import find_gains
+from ship_gym_agents.pid import PID
 from ship_gym_agents.policies.networks import Network
 from ship_gym_agents.policies.normaliser import Normaliser
 
@@ -132,7 +133,9 @@ class Policy:
         base = make_controller(self.form.base) if self.form.base else None
         if not isinstance(base, Autopilot) or base.gains_given or base.lent_by is not None:
             return
-        if find_gains(ship.name, base.KIND, task) is None:
+        # without gains of their own, adaptive and guidances take those of the heading autopilot
+        kinds = (base.KIND, *((PID.KIND,) if isinstance(base, PID) else ()))
+        if all(find_gains(ship.name, kind, task) is None for kind in kinds):
             raise ConfigError(
                 f"policy {self.name} steers by {self.form.base}, which has no gains for ship "
                 f"{ship.name!r}; tune them: ship-gym tune --ship {ship.name}"

@@ -264,6 +264,11 @@ def _check_together(algorithm: str, hyper: Hyperparameters) -> None:
             "form.symmetric = true with recurrent_ppo: a network with memory is not made odd; "
             "allowed is form.symmetric = false, or ppo with form.lags"
         )
+    if algorithm == "dqn" and symmetric:
+        raise ConfigError(
+            "form.symmetric = true with dqn: the choice of one of several decisions is not made "
+            "odd; allowed is form.symmetric = false"
+        )
     if algorithm in ("dqn", "gauss_newton") and privileged:
         raise ConfigError(
             f"training.critic = 'privileged' with {algorithm}, which has no critic beside its "

@@ -52,10 +52,10 @@ def learn(
         The card.
     """
     with _torch_threads(run.config.hyperparameters.training.threads):
-        return _SB3Run(run, init).learn(bar, judge)
+        return SB3Run(run, init).learn(bar, judge)
 
 
-class _SB3Run:
+class SB3Run:
     """Model and environments of a run."""
 
     def __init__(self, run: Run, init: str | Path | None = None):

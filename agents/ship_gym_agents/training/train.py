@@ -105,6 +105,10 @@ def _learner(algorithm: str) -> Callable[..., dict[str, Any]]:
 
 def _judge(run: Run) -> Callable[[Any], dict[str, Any]]:
     """The final evaluation of the run's best policy."""
-    form = getattr(run.config.hyperparameters, "form", None)
-    base, episodes = getattr(form, "base", ""), max(FEWEST_JUDGING, run.episodes)
-    return lambda policy: judge(policy, run.config.scenario, run.score, episodes, base)
+    base = run.config.hyperparameters.form.base
+
+    def of(policy: Any) -> dict[str, Any]:
+        episodes = max(FEWEST_JUDGING, run.episodes)
+        return judge(policy, run.config.scenario, run.score, episodes, base)
+
+    return of

@@ -15,16 +15,16 @@ def found(value, success=1.0, travel=900.0, total=0.0):
 
 
 def test_failures_come_first_then_the_score():
-    ranked = [found(3.0), found(5.0), found(None), found(1.0, success=0.9)]
-    assert sorted(reversed(ranked), key=LOWER.key) == ranked
+    best, good, short, failed = found(3.0), found(5.0), found(None), found(1.0, success=0.9)
+    assert sorted([failed, short, good, best], key=LOWER.key) == [best, good, short, failed]
     higher = Score("J_steady", "-", "higher")
     assert min((found(3.0), found(5.0)), key=higher.key) == found(5.0)
 
 
 def test_travel_above_the_limit_comes_behind_all_below_it():
     limited = LOWER._replace(limit=1000.0)
-    ranked = [found(5.0, travel=990.0), found(3.0, travel=1010.0)]
-    assert sorted(reversed(ranked), key=limited.key) == ranked
+    below, above = found(5.0, travel=990.0), found(3.0, travel=1010.0)
+    assert min((above, below), key=limited.key) == below
     assert "rudder travel up to 1000 deg/h" in limited.text and "lower is better" in limited.text
 
 
@@ -76,6 +76,12 @@ def test_the_judgement_says_what_it_found():
     against = same["references"]["pid"]["difference"]
     assert (against["value"], against["verdict"]) == (0.0, OPEN)
     assert "no difference shown from pid" in same["text"]
-    nothing = judge(make_controller("constant"), scenario, score, 8)
+    nothing = judge(make_controller("constant"), scenario, score, 24)
     assert nothing["references"]["pid"]["difference"]["verdict"] == WORSE
     assert "worse than pid" in nothing["text"] and "success" in nothing["text"]
+
+
+def test_voyage_at_free_speed_is_judged_by_its_energy():
+    economy = load_scenario("track_economy")
+    assert score_of(economy).name == "voyage_energy" and score_of(economy).better == "lower"
+    assert score_of(load_scenario("track_following")).name == "rms_route"

@@ -1,101 +1,84 @@
+import csv
 import json
 import sys
-import zipfile
 
 import numpy as np
 import pytest
-from ship_gym_agents.sb3.config import config_for, load_config, load_hyperparameters, run_config
-from ship_gym_agents.sb3.policy import Normaliser, load_policy, save_policy
+from ship_gym_agents.controllers import make_controller
+from ship_gym_agents.policies.policy_file import load_policy
+from ship_gym_agents.sb3.config import config_for, load_config, run_config
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.evaluation.rollout import rollout, tuning_seeds
-from ship_gym.scenarios import load_scenario
-from ship_gym.ships import load_ship
-from ship_gym.tasks.bridge import N_BRIDGE
+from ship_gym.evaluation.splits import VALIDATION_SEED
 
 pytest.importorskip("stable_baselines3")
 
 import torch
-from ship_gym_agents.sb3.algorithms import explore
-from ship_gym_agents.training.train import VALIDATION_SEED, _Run, train, validate
-
-TINY = {
-    "training": {"envs": 8, "validations": 2, "episode": 20.0, "threads": 1},
-    "network": {"hidden": [8, 8]},
-}
-OPTIONS = {
-    "ppo": {"n_steps": 16, "batch_size": 64, "n_epochs": 2},
-    "sac": {"learning_starts": 32, "buffer_size": 500},
-    "td3": {"learning_starts": 32, "buffer_size": 500},
-}
-OBSERVATIONS = np.random.default_rng(0).normal(0.0, 0.5, (5, N_BRIDGE)).astype(np.float32)
+from ship_gym_agents.training.run import Run
+from ship_gym_agents.training.run_folder import TrainingFolder
+from ship_gym_agents.training.sb3_run import SB3Run
+from ship_gym_agents.training.score import validate
+from ship_gym_agents.training.train import train
 
 
-@pytest.fixture(autouse=True, scope="module")
-def one_thread():
-    """Threads of torch that wait for a busy core make tiny networks very slow."""
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
+def begun(config, out, steps, resume=False, init=None):
+    """A run with its model, not yet learning."""
+    return SB3Run(Run(config, TrainingFolder(out), None, steps, resume), init)
 
 
-def tiny(algorithm="ppo", **arguments):
-    hyper = {**TINY, "algorithm": OPTIONS[algorithm]}
-    arguments = {"overrides": {"duration": 20.0}, **arguments}
-    return run_config(algorithm, hyperparameters=hyper, **arguments)
+def bounds(card):
+    first, last = card["validation_seeds"]
+    return first, last + 1
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """A run of two iterations: config, folder, card."""
-    out = tmp_path_factory.mktemp("runs") / "tiny"
-    config = tiny()
-    return config, out, train(config, out, steps=256)
+def columns(path):
+    with path.open() as file:
+        return list(csv.DictReader(file))
 
 
-def test_run_folder_and_card(made):
-    config, out, card = made
+def test_run_folder_and_card(tiny, tmp_path):
+    config, out = tiny(), tmp_path / "run"
+    card = train(config, out, steps=256, command="ship-gym train --steps 256")
     assert json.loads((out / "card.json").read_text()) == card
     assert load_config(out) == config
-    assert card["status"] == "complete" and card["samples"] == 256
-    assert [v["samples"] for v in card["validations"]] == [128, 256]
+    assert card["status"] == "complete" and card["samples"] == 256 and card["used"] == 1.0
+    assert [v["samples"] for v in card["validations"]] == [0, 128, 256]
     assert card["best"] in card["validations"]
+    assert card["command"] == "ship-gym train --steps 256"
     assert card["versions"]["stable-baselines3"] and card["git_commit"]
-    assert not list(out.rglob(".*")), "temporary files are left"
-
-
-def test_validation_seas_are_neither_trained_nor_evaluated_on(made):
-    config, out, card = made
+    assert set(card["final"]["references"]) == {"pid", "adaptive"}
     low, high = card["validation_seeds"]
-    assert VALIDATION_SEED == low < high < tuning_seeds(1)[0]
-    run = _Run(config, out.with_name("other"), None, 10, resume=False)
+    assert VALIDATION_SEED == low < high < card["final"]["seeds"][0] < tuning_seeds(1)[0]
+    assert [row["samples"] for row in columns(out / "curve.csv")] == ["0", "128", "256"]
+    assert (out / "curve.png").read_bytes().startswith(b"\x89PNG")
+    assert not list(out.rglob(".*")), "temporary files are left"
+    policy = load_policy(out)
+    assert isinstance(policy, Controller) and policy.card["best"] == card["best"]
+    assert policy.card["final"] == card["final"] and policy.name == "ppo-run"
+    refused(config, out, card)
+
+
+def refused(config, out, card):
+    """What a folder with a complete run refuses."""
+    with pytest.raises(ConfigError, match="holds a run"):
+        train(config, out, steps=512)
+    with pytest.raises(ConfigError, match="used up"):
+        train(config, out, steps=256, resume=True)
+    with pytest.raises(ConfigError, match="another config"):
+        train(run_config(seed=3), out, steps=512, resume=True)
+    with pytest.raises(ConfigError, match="budget is needed"):
+        train(config, out.with_name("nothing"))
+    with pytest.raises(ConfigError, match="leave out: seed"):
+        config_for(out, True, {"seed": 1})
+    assert json.loads((out / "card.json").read_text()) == card
+    assert not (out.with_name("nothing") / "card.json").exists()
+
+
+def test_validation_seas_are_not_trained_on(tiny, tmp_path):
+    run = begun(tiny(), tmp_path / "run", 10)
     assert max(run.model.get_env().unwrapped._seeds) < VALIDATION_SEED
-
-
-@pytest.mark.parametrize("algorithm", ["ppo", "sac", "td3"])
-def test_exported_policy_acts_as_the_model(algorithm, tmp_path):
-    config = tiny(algorithm, control="rudder+rpm")
-    run = _Run(config, tmp_path / "run", None, 192, resume=False)
-    run.learn(bar=None)
-    run.best = None
-    run._validate()  # the last policy instead of the best
-    policy = load_policy(tmp_path / "run")
-    assert isinstance(policy, Controller)
-    normalised = run.model.get_vec_normalize_env().normalize_obs(OBSERVATIONS)
-    expected, _ = run.model.predict(normalised, deterministic=True)
-    np.testing.assert_allclose(policy.act(OBSERVATIONS), expected, atol=2e-6)
-
-
-def test_saved_policy_gives_the_same_actions(made, tmp_path):
-    policy = load_policy(made[1])
-    save_policy(policy, tmp_path / "copy.zip")
-    again = load_policy(tmp_path / "copy.zip")
-    np.testing.assert_array_equal(policy.act(OBSERVATIONS), again.act(OBSERVATIONS))
-    assert again.name == "ppo-tiny"
-    rows = np.concatenate([again.act(row[None]) for row in OBSERVATIONS])
-    np.testing.assert_allclose(rows, again.act(OBSERVATIONS), atol=1e-12)
 
 
 def same_state(one, two):
@@ -103,7 +86,7 @@ def same_state(one, two):
     a, b = one.get_parameters(), two.get_parameters()
     assert a.keys() == b.keys()
     for key in a:
-        left, right = (torch.nn.utils.parameters_to_vector(_tensors(p[key])) for p in (a, b))
+        left, right = (torch.cat(_tensors(p[key])) for p in (a, b))
         assert torch.equal(left, right), key
     for name in ("obs_rms", "ret_rms"):
         left, right = (getattr(m.get_vec_normalize_env(), name) for m in (one, two))
@@ -122,170 +105,158 @@ def _tensors(state):
     return [t for item in items for t in _tensors(item)]
 
 
-@pytest.mark.parametrize("algorithm", ["ppo", "sac", "td3"])
-def test_resume_begins_where_the_run_ended(tmp_path, algorithm):
+@pytest.mark.parametrize(
+    "algorithm",
+    [
+        "ppo",
+        pytest.param("sac", marks=pytest.mark.slow),
+        pytest.param("td3", marks=pytest.mark.slow),
+    ],
+)
+def test_resume_begins_where_the_run_ended(tiny, tmp_path, algorithm):
     out, config = tmp_path / "run", tiny(algorithm)
-    first = _Run(config, out, None, 256, resume=False)
-    first.learn(None)
-    resumed = _Run(config, out, None, 512, resume=True)
+    first = begun(config, out, 256)
+    first.learn(None, None)
+    resumed = begun(config, out, 512, resume=True)
     same_state(first.model, resumed.model)
     assert resumed.model.num_timesteps == first.model.num_timesteps >= 256
-    assert resumed.validations == first.validations
+    assert resumed.run.validations == first.run.validations
+    assert resumed.run.chosen == first.run.chosen
     if algorithm != "ppo":
         assert resumed.model.replay_buffer.size() == first.model.replay_buffer.size() > 0
     if algorithm == "sac":
         assert torch.equal(resumed.model.log_ent_coef, first.model.log_ent_coef)
 
 
-def test_resume_continues(tmp_path):
+def test_resume_continues(tiny, tmp_path):
     out, config = tmp_path / "run", tiny()
-    first, before = train(config, out, steps=256), load_policy(out)
-    card = train(config, out, steps=512, resume=True)
+    first = train(config, out, steps=256, final=False, command="the first")
+    card = train(config, out, steps=512, resume=True, final=False, command="the second")
     assert card["samples"] == 512 and card["seconds"] > first["seconds"]
-    assert card["validations"][:2] == first["validations"] and len(card["validations"]) > 2
-    if card["best"] in first["validations"]:
-        np.testing.assert_array_equal(load_policy(out).act(OBSERVATIONS), before.act(OBSERVATIONS))
+    assert card["validations"][:3] == first["validations"] and len(card["validations"]) > 3
+    assert card["command"] == "the first", "the run is what began it"
+    assert load_policy(out).card["best"] == card["best"]
 
 
-def test_a_resumed_run_explores_with_other_noise_and_other_seas(tmp_path):
+def test_a_resumed_run_explores_with_other_noise_and_other_seas(tiny, tmp_path):
     config = tiny()
-    observation = torch.zeros((4, N_BRIDGE))
-
-    def noise(run):
-        policy = run.model.policy
-        actions, *_ = policy(observation)
-        away = actions - policy.get_distribution(observation).mode()
-        return (away / policy.log_std.exp()).detach().numpy()
-
-    run = _Run(config, tmp_path / "run", None, 128, resume=False)
-    seas = list(run.model.get_env().venv._seeds)
-    begin = noise(run)
-    run.learn(None)
-    resumed = _Run(config, tmp_path / "run", None, 256, resume=True)
-    assert not np.allclose(noise(resumed), begin, atol=1e-3)
-    other = _Run(tiny(seed=1), tmp_path / "other", None, 128, resume=False)
-    assert list(resumed.model.get_env().venv._seeds) != seas
-    assert list(other.model.get_env().venv._seeds) != seas
-    assert max(seas) < VALIDATION_SEED and run.model.get_env().venv.stagger
+    seas = {}
+    for name in ("run", "again", "other"):
+        run = begun(tiny(seed=1) if name == "other" else config, tmp_path / name, 128)
+        seas[name] = list(run.model.get_env().unwrapped._seeds)
+    run.learn(None, None)
+    resumed = begun(tiny(seed=1), tmp_path / "other", 256, resume=True)
+    seas["resumed"] = list(resumed.model.get_env().unwrapped._seeds)
+    assert seas["run"] == seas["again"]
+    assert len({tuple(each) for each in seas.values()}) == 3
 
 
-def test_noise_narrows_and_the_learning_rate_falls_over_the_budget(tmp_path):
+def test_a_run_killed_before_its_first_checkpoint_begins_anew(tiny, tmp_path):
+    config, out = tiny(), tmp_path / "run"
+    begun(config, out, 128)  # killed here: there is a card, no checkpoint
+    assert json.loads((out / "card.json").read_text())["status"] == "running"
+    (out / "policy.safetensors").write_bytes(b"left over")
+    card = train(config, out, steps=128, resume=True, final=False)
+    assert card["status"] == "complete" and card["validations"][0]["samples"] == 0
+    load_policy(out)
+    other = tmp_path / "nothing"  # killed even before its card
+    assert train(config, other, steps=128, resume=True, final=False)["samples"] == 128
+
+
+def test_the_learning_rate_falls_over_the_budget(tiny, tmp_path):
     config = tiny()
-    run = _Run(config, tmp_path / "run", None, 1000, resume=False)
-    options = config.hyperparameters.algorithm
-    for used in (0.0, 0.5, 1.0):
-        explore(run.model, options, used)
-        expected = (1.0 - used) * options.log_std_init + used * options.log_std_final
-        np.testing.assert_allclose(run.model.policy.log_std.detach().numpy(), expected, rtol=1e-6)
+    run = begun(config, tmp_path / "run", 1000)
     run.model.num_timesteps = 500
     start = config.hyperparameters.training.learning_rate
     assert run._learning_rate(1.0) == pytest.approx(0.5 * start)
 
 
-@pytest.mark.parametrize(
-    ("algorithm", "options", "word"),
-    [
-        ("ppo", {"gae_lambda": -3.0}, "algorithm.gae_lambda = -3"),
-        ("ppo", {"batch_size": 1}, "algorithm.batch_size = 1"),
-        ("sac", {"tau": -1.0}, "algorithm.tau = -1"),
-        ("sac", {"learning_starts": 600, "buffer_size": 500}, "algorithm.learning_starts = 600"),
-    ],
-)
-def test_options_out_of_range_are_refused(algorithm, options, word):
-    with pytest.raises(ConfigError) as error:
-        run_config(algorithm, hyperparameters={"algorithm": options})
-    assert word in str(error.value)
+class Bar:
+    """A bar that does something once it has come to `at`."""
+
+    def __init__(self, at, then):
+        self.n, self.total, self.at, self.then, self.texts = 0, 100, at, then, []
+
+    def update(self, increment):
+        self.n += increment
+        if self.n > self.at:
+            self.then()
+
+    def set_postfix_str(self, text):
+        self.texts.append(text)
 
 
-def test_interrupted_run_keeps_what_it_had(tmp_path):
-    class Interrupt:
-        n, total = 0, 100
+def interrupt():
+    raise KeyboardInterrupt
 
-        def update(self, increment):
-            self.n += increment
-            if self.n > 60:
-                raise KeyboardInterrupt
 
-    config = tiny()
+def test_interrupted_run_keeps_what_it_had(tiny, tmp_path):
+    config, bar = tiny(), Bar(60, interrupt)
     with pytest.raises(KeyboardInterrupt):
-        train(config, tmp_path / "run", steps=1024, bar=Interrupt())
+        train(config, tmp_path / "run", steps=1024, bar=bar)
     card = json.loads((tmp_path / "run" / "card.json").read_text())
     assert card["status"] == "interrupted" and 600 < card["samples"] < 1024
+    assert "samples/s" in bar.texts[0] and "rudder_travel" in bar.texts[0]
     load_policy(tmp_path / "run")
-    assert train(config, tmp_path / "run", steps=1024, resume=True)["status"] == "complete"
+    resumed = train(config, tmp_path / "run", steps=1024, resume=True, final=False)
+    assert resumed["status"] == "complete" and resumed["samples"] >= 1024
 
 
-def test_wall_clock_budget_and_same_seed(tmp_path):
-    card = train(tiny(), tmp_path / "timed", minutes=0.02)
-    assert 1.0 < card["seconds"] < 10.0 and card["samples"] > 0
+def test_reports_may_end_a_run(tiny, tmp_path):
+    told = []
+
+    def report(share, score):
+        told.append((share, score))
+        raise RuntimeError("pruned")
+
+    with pytest.raises(RuntimeError, match="pruned"):
+        train(tiny(), tmp_path / "run", steps=512, report=report)
+    assert told[0][0] == pytest.approx(0.5) and len(told) == 1
+    assert json.loads((tmp_path / "run" / "card.json").read_text())["status"] == "stopped"
+
+
+def test_time_of_training_is_what_a_budget_counts(tiny, tmp_path):
+    card = train(tiny(), tmp_path / "timed", minutes=0.02, final=False)
+    assert 1.2 <= card["seconds"] < 3.0 and card["samples"] > 0
+    assert card["validation_seeds"][1] - VALIDATION_SEED + 1 in (2, 4)
+
+
+def test_the_same_seed_gives_the_same_run(tiny, tmp_path):
     one, two, other = (
-        train(tiny(seed=seed), tmp_path / name, steps=128)["best"]["return"]
+        train(tiny(seed=seed), tmp_path / name, steps=128, final=False)["validations"][-1]["return"]
         for name, seed in (("one", 1), ("two", 1), ("other", 2))
     )
     assert one == two != other
 
 
-def test_refused_runs(made, tmp_path):
-    config, out, _ = made
-    with pytest.raises(ConfigError, match="holds a run"):
-        train(config, out, steps=512)
-    with pytest.raises(ConfigError, match="used up"):
-        train(config, out, steps=256, resume=True)
-    with pytest.raises(ConfigError, match="another config"):
-        train(tiny(seed=3), out, steps=512, resume=True)
-    with pytest.raises(ConfigError, match="no run to resume"):
-        train(config, tmp_path / "nothing", steps=512, resume=True)
-    with pytest.raises(ConfigError, match="budget is needed"):
-        train(config, tmp_path / "nothing")
-    with pytest.raises(ConfigError, match="leave out: seed"):
-        config_for(out, True, {"seed": 1})
+def test_a_policy_to_begin_with(tiny, tmp_path):
+    first = begun(tiny(), tmp_path / "first", 256)
+    first.learn(None, None)
+    init = tmp_path / "first" / "policy.safetensors"
+    second = begun(tiny(seed=5), tmp_path / "second", 256, init=init)
+    bridge = np.random.default_rng(0).normal(0.0, 0.5, (5, len(load_policy(init).normaliser.mean)))
+    theirs = load_policy(init).network(load_policy(init).normaliser(bridge))
+    ours = second.policy().network(second.policy().normaliser(bridge))
+    np.testing.assert_allclose(ours, theirs, atol=1e-5)
 
 
-def test_wrong_hyperparameters_name_the_nearest(tmp_path):
-    with pytest.raises(ConfigError, match="did you mean 'gae_lambda'"):
-        load_hyperparameters("ppo", {"algorithm": {"gae_lamda": 0.9}})
-    with pytest.raises(ConfigError, match="did you mean 'ppo'"):
-        load_hyperparameters("ppo2")
-    with pytest.raises(ConfigError, match="no such file"):
-        load_hyperparameters("ppo", tmp_path / "none.toml")
-    (tmp_path / "part.toml").write_text("[training]\n")
-    with pytest.raises(ConfigError, match="no section"):
-        load_hyperparameters("ppo", tmp_path / "part.toml")
+def test_a_price_with_a_limit_decides_what_is_chosen(tiny, tmp_path):
+    price = {"form": {"action": "residual", "base": "pid", "scale": 0.1}}
+    price["price"] = {"limit": "base", "rate": 0.01}
+    out = tmp_path / "run"
+    card = train(tiny(more=price), out, steps=128, final=False)
+    own = validate(make_controller("pid"), tiny().scenario, range(*bounds(card)))
+    assert f"rudder travel up to {own.means['rudder_travel']:.4g} deg/h" in card["score"]
+    assert all(v["multiplier"] >= 0.0 for v in card["validations"] if "multiplier" in v)
+    assert "multiplier" in columns(out / "curve.csv")[-1]
 
 
-def test_wrong_policies(made, tmp_path):
-    policy = load_policy(made[1])
-    with pytest.raises(ConfigError, match="no such policy"):
-        load_policy(tmp_path / "none.zip")
-    (tmp_path / "text.zip").write_text("not a zip")
-    with pytest.raises(ConfigError, match="not a policy, or damaged"):
-        load_policy(tmp_path / "text.zip")
-    data = (made[1] / "policy.zip").read_bytes()
-    (tmp_path / "half.zip").write_bytes(data[: len(data) // 2])
-    with pytest.raises(ConfigError, match="not a policy, or damaged"):
-        load_policy(tmp_path / "half.zip")
-    with zipfile.ZipFile(tmp_path / "empty.zip", "w") as archive:
-        archive.writestr("card.json", "{}")
-    with pytest.raises(ConfigError, match="not a policy, or damaged"):
-        load_policy(tmp_path / "empty.zip")
-    policy.card["observations"] = ["psi"]
-    save_policy(policy, tmp_path / "other.zip")
-    with pytest.raises(ConfigError, match="observations"):
-        load_policy(tmp_path / "other.zip")
-
-
-def test_policy_refuses_another_control(made):
-    scenario = load_scenario(overrides={"control": "rudder+rpm"})
-    with pytest.raises(ConfigError, match=r"trained for control = 'rudder'"):
-        load_policy(made[1]).reset(3, load_ship("kcs"), scenario)
-
-
-def test_missing_extra_is_one_clear_line(monkeypatch):
-    for name in [m for m in sys.modules if m.startswith("ship_gym_agents.sb3.")]:
-        monkeypatch.delitem(sys.modules, name)
+def test_missing_extra_is_one_clear_line(monkeypatch, tiny, tmp_path):
+    config = tiny()
     monkeypatch.setitem(sys.modules, "torch", None)
     with pytest.raises(ImportError, match=r'pip install "ship-gym\[rl\]"'):
-        __import__("ship_gym_agents.training.train")
+        train(config, tmp_path / "run", steps=64)
+    assert not (tmp_path / "run").exists()
 
 
 @pytest.mark.slow
@@ -297,10 +268,4 @@ def test_half_a_minute_of_training_beats_doing_nothing(tmp_path):
     nothing = rollout(ConstantController(), config.scenario, seeds=seeds)
     assert card["best"]["success"] == 1.0
     assert nothing.terminated.mean() > 0.5
-    assert validate(policy, config.scenario)["J_steady"] < 15.0  # doing nothing: about 1700
-
-
-def test_a_normaliser_by_hand():
-    scaled = Normaliser(np.array([1.0, 2.0]), np.array([0.5, 4.0]), 3.0)
-    found = scaled(np.array([[2.0, 0.0], [9.0, -99.0]]))
-    assert found.tolist() == [[2.0, -0.5], [3.0, -3.0]]
+    assert validate(policy, config.scenario, seeds).means["J_steady"] < 15.0  # nothing: about 1700
