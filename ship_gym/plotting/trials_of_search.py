@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from ship_gym.plotting.figure import AMBER, BLUE, FAINT, headline, picture
 
@@ -69,6 +70,7 @@ def _draw_history(axes: Axes, rows: Sequence[Row], lower: bool) -> None:
         best = (np.minimum if lower else np.maximum).accumulate([row[1] for row in complete])
         axes.step([row[0] for row in complete], best, where="post", color=AMBER, label="best")
         axes.legend()
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
     axes.set_xlabel("trial")
 
 
@@ -80,6 +82,8 @@ def _draw_values(axes: Axes, rows: Sequence[Row], name: str) -> None:
         x = values
         if min(values) > 0.0 and max(values) > 8.0 * min(values):
             axes.set_xscale("log")
+        else:
+            axes.xaxis.set_major_locator(MaxNLocator(4))
     else:
         texts = [json.dumps(value) for value in values]
         places = sorted(set(texts), key=lambda text: (len(text), text))
