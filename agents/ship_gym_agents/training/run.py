@@ -277,7 +277,7 @@ class Run:
     def _card(self, status: str) -> dict[str, Any]:
         budget = self.budget
         card = {
-            "name": f"{self.config.algorithm}-{self.folder.path.name}",
+            "name": f"{self.config.algorithm}-{self.folder.name}",
             "status": status,
             "config": plain(self.config),
             "budget": {"minutes": budget.minutes, "steps": budget.steps},

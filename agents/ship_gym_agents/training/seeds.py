@@ -71,7 +71,7 @@ def train_seeds(
     with folder.locked():
         _check_earlier(folder, config, count, resume)
         card = {
-            "name": f"{config.algorithm}-{folder.path.name}",
+            "name": f"{config.algorithm}-{folder.name}",
             "status": "running",
             "config": plain(config),
             "budget": {"minutes": minutes, "steps": steps},
