@@ -39,6 +39,7 @@ def entrant(named: str | Path, shown: str | None = None) -> Entrant:
     kind = "policy" if hasattr(made, "card") else "own" if split(text) else "classical"
     if kind == "policy":
         about |= {"trained": trained(made.card)}
+        about |= _gains(make_controller(made.form.base)) if made.form.base else {}
     make = functools.partial(make_controller, text)
     return Entrant(str(named), shown or made.name, make, kind, about | _told(made))
 
@@ -134,6 +135,6 @@ def trained(card: Mapping[str, Any]) -> dict[str, Any]:
     scenario = config.get("scenario", {})
     found = {key: scenario.get(key) for key in ("task", "ship", "control")}
     found["sea"] = scenario.get("sea", {}).get("states")
-    found |= {"algorithm": config.get("algorithm"), "seed": config.get("seed")}
+    found |= {"algorithm": config.get("algorithm")}
     found |= {key: card.get(key) for key in ("samples", "seconds", "validation_seeds")}
     return {key: value for key, value in found.items() if value is not None}

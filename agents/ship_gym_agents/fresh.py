@@ -45,3 +45,10 @@ def begun(before: np.ndarray | None, rows: slice | np.ndarray, now: np.ndarray) 
     before = before.copy()
     before[..., rows] = now[..., rows]
     return before
+
+
+def zeroed(memory: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """A copy whose last axis, that of the episodes, is zero in these rows."""
+    memory = memory.copy()
+    memory[..., rows] = 0.0
+    return memory

@@ -6,6 +6,8 @@ ship may steer by it: its rudder angle over this effect turns the ship as it mea
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 from ship_gym.linear import linearise
@@ -49,6 +51,7 @@ class RudderEffect:
         )
 
 
+@functools.lru_cache(maxsize=64)  # 30 linear models take 0.2 s
 def effect_table(ship: Ship) -> np.ndarray:
     """Yaw acceleration by rudder angle, by the nominal one, at `_SPEEDS` and `_TURNS`."""
     n0 = self_propulsion(ship, ship.speed)

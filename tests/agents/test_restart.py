@@ -8,7 +8,7 @@ from ship_gym_agents.pid import PID, Gains
 from ship_gym_agents.wave_filter import LowPass
 
 from ship_gym import load_scenario, load_ship
-from ship_gym.tasks.columns import observation_columns
+from tests.agents.measurements import measurements
 
 CASES = {
     "pid": "heading_keeping",
@@ -24,21 +24,6 @@ COUNT, LENGTH = 5, 40
 RESTARTED = {0: [2], 11: [1, 3], 20: [3], 21: [3, 0]}  # rows before an interval
 
 
-def measurements(scenario, seed):
-    """Observations of a voyage that nobody sailed: noise with steps of the order in it."""
-    rng, names = np.random.default_rng(seed), list(observation_columns(scenario))
-    made = rng.uniform(-0.3, 0.3, (LENGTH, COUNT, len(names)))
-    column = {name: made[:, :, k] for k, name in enumerate(names)}
-    psi = np.cumsum(rng.normal(0.0, 0.01, (LENGTH, COUNT)), axis=0)
-    psi = psi + rng.choice([0.0, 0.5], (LENGTH, COUNT), p=[0.9, 0.1])
-    column["sin_error"][:], column["cos_error"][:] = np.sin(psi), np.cos(psi)
-    column["surge"][:] += 0.9
-    column["propeller"][:] = rng.uniform(0.2, 0.8, (LENGTH, COUNT))
-    if "to_go" in column:
-        column["to_go"][:] = np.linspace(6.0, -0.5, LENGTH)[:, None]
-    return made
-
-
 def controller(name, count):
     made, scenario = make_controller(name), load_scenario(CASES[name])
     made.reset(count, load_ship("kcs"), scenario)
@@ -49,7 +34,7 @@ def controller(name, count):
 @pytest.mark.parametrize("as_mask", [False, True])
 def test_a_restarted_row_steers_as_a_new_controller(name, as_mask):
     batch, scenario = controller(name, COUNT)
-    seen = measurements(scenario, seed=3)
+    seen = measurements(scenario, COUNT, LENGTH, seed=3)
     single = [controller(name, 1)[0] for _ in range(COUNT)]
     for k in range(LENGTH):
         rows = np.array(RESTARTED.get(k, []), dtype=np.int64)
@@ -65,7 +50,7 @@ def test_without_a_restart_the_rows_differ():
     """That the test above can fail: the memory of a row matters."""
     used, scenario = controller("drift_los", COUNT)
     fresh, _ = controller("drift_los", COUNT)
-    seen = measurements(scenario, seed=3)
+    seen = measurements(scenario, COUNT, LENGTH, seed=3)
     for k in range(10):
         used.act(seen[k])
     assert not np.isclose(used.act(seen[10]), fresh.act(seen[10])).any()
@@ -74,7 +59,7 @@ def test_without_a_restart_the_rows_differ():
 def test_low_pass_and_integral_restart():
     gains = Gains(K_p=1.0, K_d=0.5, K_i=0.3, low_pass=LowPass(0.2, 0.3, 0.4))
     scenario = load_scenario("heading_keeping")
-    seen = measurements(scenario, seed=4)
+    seen = measurements(scenario, COUNT, LENGTH, seed=4)
     batch, late = PID(gains), PID(gains)
     for one in (batch, late):
         one.reset(COUNT, load_ship("kcs"), scenario)
@@ -90,7 +75,7 @@ def test_low_pass_and_integral_restart():
 def test_an_offset_is_added_to_the_wanted_heading():
     plain, scenario = controller("pid", COUNT)
     led, _ = controller("pid", COUNT)
-    seen = measurements(scenario, seed=5)[0]
+    seen = measurements(scenario, COUNT, LENGTH, seed=5)[0]
     gain = plain.gains_for(load_ship("kcs")).K_p
     own = plain.steer(plain.perceive(seen))
     found = led.steer(led.perceive(seen), np.full(COUNT, 0.1))

@@ -283,7 +283,10 @@ def test_list_tells_what_can_be_named(cli):
         *("ships", "scenarios", "tasks", "controllers", "surrogates", "seas")
     }
     assert found["scenarios"]["track_zigzag"] == "track_following"
-    assert found["controllers"]["ppo_kcs"] == "trained policy" and found["controllers"]["pid"]
+    assert (
+        "ppo for kcs in heading_keeping" in found["controllers"]["ppo_kcs"]
+        and found["controllers"]["pid"]
+    )
     assert found["surrogates"]["G2_SA"] == "default"
     assert all(found["ships"].values()) and "heading_keeping" in found["tasks"]
     code, out, _ = cli("list", "surrogates", "--ship", "onrt", "seas")

@@ -12,7 +12,7 @@ from ship_gym.tasks import observations_of
 from ship_gym_agents.autopilot import wrapped
 from ship_gym_agents.forms.block import Block
 from ship_gym_agents.forms.look import Look, Sailing
-from ship_gym_agents.fresh import Fresh, begun
+from ship_gym_agents.fresh import Fresh, begun, zeroed
 
 _SLOW, _LONG = 2.0, 6.5  # time constants of the means of `Sea` [L / U0]; for kcs 1 and 3 minutes
 
@@ -108,8 +108,9 @@ class Sea(Block):
 
     def restart(self, rows: np.ndarray) -> None:
         """See `Block`."""
-        self._taken = self._taken.copy()
-        self._taken[rows] = 0.0  # so the next measurement replaces the means
+        self._taken, self._slow, self._long = (
+            zeroed(x, rows) for x in (self._taken, self._slow, self._long)
+        )
         self._fresh.add(rows)
 
     def values(self, look: Look) -> tuple:
@@ -131,7 +132,7 @@ class Sea(Block):
     def _scaled(self, bias: np.ndarray, wave_r: np.ndarray) -> tuple:
         slow_bias, slow_psi, slow_surge, r2, v2, psi2, rv, change2 = self._slow
         long_bias, long_psi, long_surge = self._long
-        rms_r, rms_v, rms_psi = (np.sqrt(x) for x in (r2, v2, psi2))
+        rms_r, rms_v, rms_psi = (np.sqrt(np.maximum(x, 0.0)) for x in (r2, v2, psi2))
         return (
             8.0 * (bias - slow_bias),
             6.0 * slow_bias,

@@ -11,6 +11,7 @@ from ship_gym.config import ConfigError
 from ship_gym_agents.drift_los import DriftLOS
 from ship_gym_agents.forms.block import Block
 from ship_gym_agents.forms.look import Look, Sailing
+from ship_gym_agents.fresh import zeroed
 from ship_gym_agents.speed_keeping import check_one_leg
 
 
@@ -90,8 +91,7 @@ class Voyage(Block):
 
     def restart(self, rows: np.ndarray) -> None:
         """See `Block`."""
-        self._sailed = self._sailed.copy()
-        self._sailed[rows] = 0.0
+        self._sailed = zeroed(self._sailed, rows)
 
     def values(self, look: Look) -> tuple:
         """See `Block`."""

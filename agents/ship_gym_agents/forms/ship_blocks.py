@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from typing import ClassVar
 
@@ -88,6 +89,7 @@ class Ship(Block):
         return tuple(value * self._ones for value in self._row)
 
 
+@functools.lru_cache(maxsize=64)
 def constants(ship: Particulars) -> tuple[float, ...]:
     """Those of `Ship`, non-dimensional: linear model, form, rudder rate by U0 / L, propeller."""
     hull, U0 = ship.hull, ship.speed

@@ -78,35 +78,31 @@ class Watchkeeper:
             odd, even = np.transpose(self._pairs)
             products = np.clip(features[:, odd] * features[:, even], -LIMIT, LIMIT)
             self._features = features = np.concatenate([features, products], axis=1)
-        if not self._lags:
-            return features
-        # an episode that has no past yet takes the present for it
+        return self._with_past(features) if self._lags else features
+
+    def _with_past(self, features: np.ndarray) -> np.ndarray:
+        """Features of now and of earlier decisions; what has no past takes the present for it."""
         rows = self._fresh_past.take()
         if self._past is None:
             self._past = np.repeat(features[None], max(self._lags), axis=0)
         elif len(rows):
             self._past = self._past.copy()
             self._past[:, rows] = features[rows]
-        then = [self._past[lag - 1] for lag in self._lags]
-        return np.concatenate([features, *then], axis=1)
+        return np.concatenate([features, *(self._past[lag - 1] for lag in self._lags)], axis=1)
 
     def _perceive(self, observations: np.ndarray) -> Look:
         seen = self._columns.view(observations)
         if self._base is None:
             return Look(observations, seen, None, None, None, None)
         perceived, own = self._base.perceive(observations), None
-        psi, r = perceived.motion[:2]
-        if not self._steers_last:
+        if self._steers_last:
+            # what it led to in the interval before; at the start where the ship is
+            now = np.stack(perceived.motion[:2])
+            psi, r = begun(self._followed, self._fresh.take(), now)
+            followed = psi + perceived.jump, r
+        else:
             own = self._base.steer(perceived)
             followed = self._base.followed[:2]
-        else:
-            rows = self._fresh.take()
-            if self._followed is None:
-                self._followed = np.stack([psi, r])
-            else:
-                now = np.stack([psi, r])
-                self._followed = begun(self._followed, rows, now)
-            followed = self._followed[0] + perceived.jump, self._followed[1]
         return Look(observations, seen, self._base, perceived, own, followed)
 
     def act(self, decision: np.ndarray | None) -> np.ndarray:

@@ -126,6 +126,14 @@ class Mlp:
         found = {"kind": "mlp", "hidden": hidden, "activation": self.activation}
         return {**found, "output": self.output, "symmetric": self.mirror is not None}
 
+    @property
+    def in_words(self) -> str:
+        """Kind, sizes of the hidden layers, functions: one phrase."""
+        hidden = " x ".join(str(len(bias)) for bias in self.biases[:-1])
+        functions = f", {self.activation}, {self.output}" if hidden else f", {self.output}"
+        symmetric = ", symmetric" if self.mirror is not None else ""
+        return f"{f'mlp {hidden}' if hidden else 'linear'}{functions}{symmetric}"
+
     def _layers(self, values: np.ndarray) -> np.ndarray:
         activation, last = ACTIVATIONS[self.activation], len(self.weights) - 1
         for k, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
@@ -231,6 +239,11 @@ class Lstm:
     def about(self) -> dict[str, Any]:
         """What is no number: kind, layers, functions."""
         return {**self.head.about(), "kind": "lstm", "memory": self.n_hidden}
+
+    @property
+    def in_words(self) -> str:
+        """Kind, size of the memory, the perceptron behind it."""
+        return f"lstm {self.n_hidden}, {self.head.in_words}"
 
 
 Network = Mlp | Lstm

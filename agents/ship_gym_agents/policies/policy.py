@@ -10,12 +10,8 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
-from ship_gym_agents.autopilot import Autopilot
-from ship_gym_agents.controllers import make_controller
 from ship_gym_agents.forms.form import Form
 from ship_gym_agents.forms.helm import Helm
-from ship_gym_agents.gains_files import find_gains
-from ship_gym_agents.pid import PID
 from ship_gym_agents.policies.networks import Network
 from ship_gym_agents.policies.normaliser import Normaliser
 
@@ -69,9 +65,11 @@ class Policy:
             The scenario has other observations or actions than the policy was made for, or the
             autopilot it steers with has no gains of the ship.
         """
-        self._check_base(ship, scenario.task)
         helm = Helm(self.form)
-        helm.reset(count, ship, scenario)
+        try:
+            helm.reset(count, ship, scenario)
+        except ConfigError as error:
+            raise ConfigError(f"policy {self.name}: {error}") from error
         self._check_names(helm, scenario)
         self._helm, self._interval = helm, 0
         self._state = self.network.start(count)
@@ -97,7 +95,7 @@ class Policy:
 
     def about(self) -> dict[str, Any]:
         """What stands beside results: form, network and seed of the training."""
-        found = {"form": self.form_in_words, "network": self.network.about()}
+        found = {"form": self.form_in_words, "network": self.network.in_words}
         seed = self.card.get("config", {}).get("seed")
         return found | ({} if seed is None else {"seed": seed})
 
@@ -116,29 +114,16 @@ class Policy:
             if had == names:
                 continue
             trained = self.card.get("config", {}).get("scenario", {})
-            for key in ("task", "control"):
+            for key, words in (("task", "trained on"), ("control", "trained for control =")):
                 now = getattr(scenario, key)
                 if trained.get(key, now) != now:
                     raise ConfigError(
-                        f"policy {self.name}: trained for {key} = {trained[key]!r}, not {now!r}; "
-                        f"its {what}: {_difference(had, names)}"
+                        f"policy {self.name}: {words} {trained[key]!r}, not {now!r}; its {what}: "
+                        f"{_difference(had, names)}"
                     )
             raise ConfigError(
                 f"policy {self.name}: made for other {what} than this version makes for control = "
                 f"{scenario.control!r}: {_difference(had, names)}"
-            )
-
-    def _check_base(self, ship: Ship, task: str) -> None:
-        """Refuse an autopilot that would steer a ship with gains that nobody tuned."""
-        base = make_controller(self.form.base) if self.form.base else None
-        if not isinstance(base, Autopilot) or base.gains_given or base.lent_by is not None:
-            return
-        # without gains of their own, adaptive and guidances take those of the heading autopilot
-        kinds = (base.KIND, *((PID.KIND,) if isinstance(base, PID) else ()))
-        if all(find_gains(ship.name, kind, task) is None for kind in kinds):
-            raise ConfigError(
-                f"policy {self.name} steers by {self.form.base}, which has no gains for ship "
-                f"{ship.name!r}; tune them: ship-gym tune --ship {ship.name}"
             )
 
 

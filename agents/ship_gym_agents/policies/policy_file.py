@@ -1,6 +1,7 @@
 """Files of policies: one ``.safetensors`` with all numbers, and its card as JSON in the header.
 
-Reading one runs no code that it may hold: there are arrays and text only. A digest over both tells
+Reading one runs no code that it may hold: there are arrays and text only, and an autopilot to steer
+by is one of the package, never a Python file that the card names. A digest over both tells
 a damaged file from a whole one. The header has one key, whose JSON holds format, digest and card;
 with several, safetensors writes them in changing order, and equal policies would be other bytes.
 
@@ -26,6 +27,8 @@ from safetensors.numpy import load, save
 from ship_gym.config import ConfigError
 from ship_gym.provenance import atomic_path
 from ship_gym_agents.forms.form import form_from
+from ship_gym_agents.gains_files import kind_of
+from ship_gym_agents.plugins import is_own
 from ship_gym_agents.policies.networks import network_from
 from ship_gym_agents.policies.normaliser import Normaliser
 from ship_gym_agents.policies.policy import Policy
@@ -73,7 +76,7 @@ def load_policy(path: str | Path) -> Policy:
     Raises
     ------
     ConfigError
-        No such file, no policy, damaged, of another format.
+        No such file, no policy, damaged, of another format, or steering by Python code of its own.
     """
     file = policy_path(path)
     head = _head(file)
@@ -84,9 +87,11 @@ def load_policy(path: str | Path) -> Policy:
             raise ValueError("its digest is not that of what it holds")
         normaliser = Normaliser(tensors["mean"], tensors["scale"], card["normaliser"]["limit"])
         network = network_from(card["network"], tensors)
-        return Policy(form_from(card["form"]), normaliser, network, card)
+        made = Policy(form_from(card["form"]), normaliser, network, card)
     except _DAMAGED as error:
         raise _damaged(file, error) from error
+    _check_base(made.form.base, file)
+    return made
 
 
 def read_card(path: str | Path) -> dict[str, Any]:
@@ -117,6 +122,8 @@ def policy_path(path: str | Path) -> Path:
         return _in_folder(path)
     if not path.is_file():
         raise ConfigError(f"{path}: no such policy; train one with: ship-gym train")
+    if path.suffix == ".onnx":
+        raise ConfigError(f"{path}: an export for other programs; name the policy it was made from")
     if zipfile.is_zipfile(path):
         raise ConfigError(f"{path}: {_zip_in_words(path)}")
     return path
@@ -174,6 +181,16 @@ def _parts(card: str, tensors: Mapping[str, np.ndarray]) -> Iterator[bytes]:
         array = tensors[name]
         yield f"{name} {array.dtype.str} {array.shape}".encode()
         yield array.tobytes()
+
+
+def _check_base(base: str, file: Path) -> None:
+    """Refuse an autopilot that is a Python file: what a card names must not be run."""
+    kind = kind_of(base) if base.endswith(".toml") and Path(base).is_file() else base
+    if any(is_own(part) for part in (kind, kind.rpartition("@")[0])):
+        raise ConfigError(
+            f"{file}: steers by {base}, which is Python code of its own, not run for a file; make "
+            "the controller in Python: Policy(form, normaliser, network, card)"
+        )
 
 
 def _zip_in_words(file: Path) -> str:

@@ -1,5 +1,4 @@
-"""Learned policies: training with stable-baselines3, and running what was trained.
+"""Learning with stable-baselines3 and torch, which are optional: ``pip install "ship-gym[rl]"``.
 
-`policy` runs a trained policy with NumPy alone. `train` and `vec_adapter` import
-stable-baselines3 and torch, which are optional: ``pip install "ship-gym[rl]"``.
+What was trained is run by ``ship_gym_agents.policies``, which needs neither.
 """

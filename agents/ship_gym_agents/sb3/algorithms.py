@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import torch
 from sb3_contrib import TQC, RecurrentPPO
-from stable_baselines3 import DQN, PPO, SAC, TD3
+from stable_baselines3 import DQN, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.noise import NormalActionNoise, VectorizedActionNoise
 from stable_baselines3.common.vec_env import VecNormalize
@@ -22,11 +22,12 @@ from ship_gym_agents.policies.policy import Policy
 from ship_gym_agents.sb3 import networks
 from ship_gym_agents.sb3.checkpoint import load_checkpoint, save_checkpoint
 from ship_gym_agents.sb3.environments import form_env
+from ship_gym_agents.sb3.overlapped import OverlappedPPO
 from ship_gym_agents.sb3.sections import Hyperparameters
 
 __all__ = ["ALGORITHMS", "export", "load_checkpoint", "make_model", "save_checkpoint"]
 
-_TORCH_ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU}
+TORCH_ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU}
 _SEEN_BEFORE = 1e5  # samples that the normaliser of a policy to begin with counts as
 
 
@@ -57,7 +58,11 @@ class Algorithm:
 
 ALGORITHMS: dict[str, Algorithm] = {
     "ppo": Algorithm(
-        PPO, networks.ShipPolicy, lambda policy: [*policy.mlp_extractor.policy_net], "clip", "vf"
+        OverlappedPPO,
+        networks.ShipPolicy,
+        lambda policy: [*policy.mlp_extractor.policy_net],
+        "clip",
+        "vf",
     ),
     "recurrent_ppo": Algorithm(
         RecurrentPPO,
@@ -142,7 +147,7 @@ def make_model(
 
 def _network(algorithm: str, env: VecNormalize, hyper: Hyperparameters) -> dict[str, Any]:
     """Arguments of the policy of stable-baselines3."""
-    found: dict[str, Any] = {"activation_fn": _TORCH_ACTIVATIONS[hyper.network.activation]}
+    found: dict[str, Any] = {"activation_fn": TORCH_ACTIVATIONS[hyper.network.activation]}
     hidden, critic = list(hyper.network.hidden), ALGORITHMS[algorithm].critic
     if not critic:
         return {**found, "net_arch": hidden}

@@ -135,7 +135,8 @@ class FormVecEnv(VecEnvWrapper):
             if len(rows):
                 features = self._seen(self.helm.peek, last)
                 for i in rows[live[rows]]:
-                    infos[i] = {**told[i], "terminal_observation": features[i]}
+                    infos[i] = told[i]  # changed, not copied: a copy builds all that it tells
+                    infos[i]["terminal_observation"] = features[i]
                 dones |= ended
                 self.helm.restart(rows)
                 self._meter.restart(rows, self._angle(observations)[rows])

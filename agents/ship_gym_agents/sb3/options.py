@@ -8,7 +8,7 @@ from ship_gym.config import ConfigError, check_number
 
 
 @dataclasses.dataclass(frozen=True)
-class PPOOptions:
+class OnPolicyOptions:
     """Arguments of stable-baselines3's PPO, and how wide it explores.
 
     The logarithm of the standard deviation of the decisions goes linearly from `log_std_init` to
@@ -40,7 +40,21 @@ class PPOOptions:
 
 
 @dataclasses.dataclass(frozen=True)
-class RecurrentPPOOptions(PPOOptions):
+class PPOOptions(OnPolicyOptions):
+    """PPO, see `ship_gym_agents.sb3.overlapped`.
+
+    Attributes
+    ----------
+    overlap : bool
+        Sail the next rollout on a second core while learning from the last one. It is then sailed
+        by the weights of one rollout earlier, also where there is one core only.
+    """
+
+    overlap: bool = True
+
+
+@dataclasses.dataclass(frozen=True)
+class RecurrentPPOOptions(OnPolicyOptions):
     """As PPO, with an LSTM before the hidden layers of actor and critic.
 
     Attributes

@@ -44,7 +44,9 @@ def load_sb3_zip(
     *,
     trust: bool = False,
     scenario: str | Mapping[str, Any] = "heading_keeping",
-    **env: Any,
+    ship: str | None = None,
+    control: str | None = None,
+    overrides: Mapping[str, Any] | None = None,
 ) -> Policy:
     """A model that stable-baselines3 saved, PPO, SAC or TD3 with an ``MlpPolicy``, as a policy.
 
@@ -54,7 +56,7 @@ def load_sb3_zip(
         The zip archive; a ``vecnormalize.pkl`` beside it is read too.
     trust : bool
         Whether to read it although that **runs code which the file may hold**.
-    scenario, **env
+    scenario, ship, control, overrides
         What it was trained for, as in ``ShipEnv``: the file does not say.
 
     Raises
@@ -74,7 +76,7 @@ def load_sb3_zip(
         model = algorithm.load(path, device="cpu")
     except Exception as error:  # whatever the code in the file raises
         raise ConfigError(f"{path}: stable-baselines3 cannot read it: {error}") from error
-    resolved, _ = resolved_scenario(scenario, **env)
+    resolved, _ = resolved_scenario(scenario, ship, control, None, None, overrides)
     features = [f"observation.{name}" for name in observation_columns(resolved)]
     decisions = list(action_columns(resolved))
     _check_spaces(path, model, len(features), len(decisions))

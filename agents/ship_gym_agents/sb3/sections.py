@@ -21,7 +21,12 @@ from ship_gym.config import (
     read_toml,
 )
 from ship_gym_agents.forms.form import Form
-from ship_gym_agents.sb3.options import OPTIONS, GaussNewtonOptions, OffPolicyOptions, PPOOptions
+from ship_gym_agents.sb3.options import (
+    OPTIONS,
+    GaussNewtonOptions,
+    OffPolicyOptions,
+    OnPolicyOptions,
+)
 
 SECTIONS = ("form", "training", "network", "algorithm", "price")
 ACTIVATIONS = ("tanh", "relu")
@@ -56,6 +61,9 @@ class Training:
         and forces), which the finished policy never needs.
     overrides : dict
         Keys of the scenario, dotted or nested, that hold in training only.
+    wear : float
+        What a deg/h of rudder travel adds to the score that chooses the best policy, in the score's
+        unit (where more is better, takes from it); 0: the score alone decides.
     ships : tuple of str
         Ships that are sailed in training, in turn over the environments; none: the scenario's.
     """
@@ -69,6 +77,7 @@ class Training:
     checkpoint: float = 60.0
     critic: str = "same"
     overrides: dict[str, Any] = dataclasses.field(default_factory=dict)
+    wear: float = 0.0
     ships: tuple[str, ...] = ()
 
     def __post_init__(self):
@@ -79,6 +88,7 @@ class Training:
         check_number("training.validations", self.validations, 1, 1000)
         check_number("training.threads", self.threads, 1, 1024)
         check_number("training.checkpoint", self.checkpoint, 0.0, 1e6, "s")
+        check_number("training.wear", self.wear, 0.0, 1e6)
         check_known("training.critic", self.critic, CRITICS)
         if len(self.ships) > self.envs:
             raise ConfigError(
@@ -124,7 +134,8 @@ class Price:
     limit : str
         Travel to keep below, in deg/h or ``"base"`` for that of the base; ``""``: the price of
         travel is fixed. With a limit it is a Lagrange multiplier, which rises while the travel is
-        above it and falls to zero while it is below.
+        above it and falls to zero while it is below. The travel is that of training, exploration
+        included, so that the finished policy stays below.
     rate : float
         Change of the price [reward per deg] for a rollout whose travel is twice the limit.
     """
@@ -160,7 +171,7 @@ class Hyperparameters:
 
     training: Training
     network: Network
-    algorithm: PPOOptions | OffPolicyOptions | GaussNewtonOptions
+    algorithm: OnPolicyOptions | OffPolicyOptions | GaussNewtonOptions
     form: Form = dataclasses.field(default_factory=Form)
     price: Price = dataclasses.field(default_factory=Price)
 
@@ -177,6 +188,7 @@ def load_hyperparameters(
     *,
     task: str = "",
     settings: Mapping[str, Any] | None = None,
+    where: str = "",
 ) -> Hyperparameters:
     """Hyperparameters of an algorithm.
 
@@ -192,6 +204,8 @@ def load_hyperparameters(
         The package's own of this task, where it has such.
     settings : mapping, optional
         Single values by dotted key, as in ``{"training.gamma": 0.995}``; they replace all others.
+    where : str
+        What to call a mapping in an error.
 
     Raises
     ------
@@ -203,9 +217,9 @@ def load_hyperparameters(
     of_task = _FOLDER / f"{algorithm}.{task}.toml"
     if task and of_task.is_file():
         values = merged(values, read_toml(of_task))
-    where = (
-        Path(source).name if isinstance(source, str | Path) else f"hyperparameters of {algorithm}"
-    )
+    if isinstance(source, str | Path):
+        where = Path(source).name
+    where = where or f"hyperparameters of {algorithm}"
     values = merged(values, partial(source, where))
     if envs is not None:
         values = merged(values, {"training": {"envs": envs}})

@@ -1,7 +1,8 @@
 """ShipVecEnv: the native vector environment in the form that stable-baselines3 takes.
 
 Stable-baselines3 does not accept a Gymnasium ``VectorEnv``. This adapter costs one batch step per
-call instead of n scalar environments, and builds no info for an episode that is still running.
+call instead of n scalar environments, builds no info for an episode that is still running, and
+that of one that has ended only as far as somebody looks at it.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
 from ship_gym.config import ConfigError
+from ship_gym.envs.info import Info
 from ship_gym.envs.vector_env import ShipVectorEnv
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
@@ -70,6 +72,7 @@ class ShipVecEnv(VecEnv):
         self._returns = np.zeros(num_envs)
         self._lengths = np.zeros(num_envs, dtype=np.int64)
         self._born = time.monotonic()
+        self._told: tuple[str, ...] = ()  # names in the info of an ended episode
 
     def reset(self) -> np.ndarray:
         """Begin new episodes everywhere with the seeds of `seed`; float32 (n, n_observations)."""
@@ -112,7 +115,10 @@ class ShipVecEnv(VecEnv):
 
     def _end_of_episode(self, i: int, batch: dict[str, Any]) -> dict[str, Any]:
         """Info of the last interval, terminal observation and statistics; the counters restart."""
-        info = _row(batch["final_info"], i)
+        final = batch["final_info"]
+        if not self._told:
+            self._told = tuple(name for name in final if not name.startswith("_"))
+        info = Info(self._told, lambda name: _entry(final[name], i))
         info["terminal_observation"] = batch["final_obs"][i]
         info["episode"] = {
             "r": float(self._returns[i]),
@@ -167,12 +173,8 @@ class ShipVecEnv(VecEnv):
             )
 
 
-def _row(info: dict[str, Any], i: int) -> dict[str, Any]:
-    """Row i of a batched info as plain values, as the scalar environment gives it."""
-    result: dict[str, Any] = {}
-    for key, value in info.items():
-        if isinstance(value, dict):
-            result[key] = _row(value, i)
-        elif not key.startswith("_"):
-            result[key] = value[i].copy() if value.ndim > 1 else value[i].item()
-    return result
+def _entry(value: Any, i: int) -> Any:
+    """Row i of an entry of a batched info as plain values, as the scalar environment gives it."""
+    if isinstance(value, dict):
+        return {name: _entry(rows, i) for name, rows in value.items() if not name.startswith("_")}
+    return value[i].copy() if value.ndim > 1 else value[i].item()

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.conventions import DELTA, FLOW_TORQUE, N, PSI, U, X, Y, wrap_angle
+from ship_gym.conventions import DELTA, FLOW_TORQUE, PSI, N, U, X, Y, wrap_angle
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.physics.propeller import shaft_power
 from ship_gym.ships.particulars import Ship
@@ -21,6 +21,7 @@ from ship_gym.simulation import ShipSim, self_propulsion
 from ship_gym.tasks.measures import TURN
 from ship_gym.tracks.guidance import share_left
 from ship_gym_agents.sb3.options import GaussNewtonOptions
+from ship_gym_agents.tuning.objective import objective_of
 
 LAMBDA = 0.1  # of J, weight of the squared rudder angle
 _SMALL = 0.3  # rudder movement below which its price is that of its square [deg]
@@ -52,6 +53,14 @@ class Residuals:
         self._failing = np.array([outcome.failed for outcome in batch.task.all_outcomes])
         self.sailing = np.ones(batch.n, dtype=np.bool_)
         self._failed = np.zeros(batch.n, dtype=np.bool_)
+
+    @property
+    def price_of_travel(self) -> float:
+        """What a policy is chosen by, beside the score of its task [unit of the score h/deg].
+
+        That of tuning, so that learned and classical controllers are chosen alike.
+        """
+        return objective_of(self._batch.scenario.task).price
 
     def begin(self) -> None:
         """Keep what the interval is judged by."""
@@ -87,6 +96,11 @@ class Heading(Residuals):
     def __init__(self, batch: EpisodeBatch, options: GaussNewtonOptions):
         super().__init__(batch, options)
         self._since = np.zeros(batch.n)  # the last order [full-scale s]
+
+    @property
+    def price_of_travel(self) -> float:
+        """As in the cost: J is tuned without a price."""
+        return self._options.price * self._batch.scenario.control_interval / 3600.0
 
     def begin(self) -> None:
         """See `Residuals`."""
@@ -125,6 +139,7 @@ class Course(Heading):
     """
 
     PARTS = 4
+    price_of_travel = Residuals.price_of_travel
 
     def __init__(self, batch: EpisodeBatch, options: GaussNewtonOptions):
         super().__init__(batch, options)
@@ -173,6 +188,11 @@ class Economy(Residuals):
         super().__init__(batch, options)
         self._steps = batch.scenario.steps
         self._full = np.array([_power_at_speed(ship) for ship in batch.ships])
+
+    @property
+    def price_of_travel(self) -> float:
+        """None: the energy counts."""
+        return 0.0
 
     def _of_task(self) -> tuple[np.ndarray, ...]:
         batch = self._batch

@@ -92,6 +92,11 @@ class TrainingFolder:
         """Complete checkpoints, the oldest first."""
         return sorted(path for path in self._checkpoints.glob("[0-9]*") if path.is_dir())
 
+    def free(self) -> None:
+        """Take back the card of a run that was refused before it had learned anything."""
+        if self.checkpoint() is None:
+            (self.path / CARD_FILE).unlink(missing_ok=True)
+
     def clear(self) -> None:
         """Remove what a run left that was killed before its first checkpoint."""
         for file in self.path.glob("policy.*"):

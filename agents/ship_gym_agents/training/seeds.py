@@ -84,12 +84,16 @@ def train_seeds(
         options |= {"final": final, "command": command}
         try:
             cards = _all(_parts(config, folder.path, count), options, jobs, bar)
+        except ConfigError:
+            if not any(folder.path.glob(f"seed_*/{CARD_FILE}")):
+                folder.free()
+            raise
         except KeyboardInterrupt:
             folder.write_card(card | {"status": "interrupted"})
             raise
         finally:
             draw_curves(folder.path, sorted(folder.path.glob("seed_*")))
-        card |= {"status": "complete", **summarised(cards, score_of(config.scenario))}
+        card |= {"status": "complete", **summarised(cards, _score(config))}
         with atomic_path(folder.path / SUMMARY_FILE) as temporary:
             temporary.write_text(json.dumps(card, indent=1) + "\n", encoding="utf-8")
         best = folder.path / f"seed_{card['median']['place']}" / POLICY_FILE
@@ -181,6 +185,10 @@ def _show(bar: Any, folders: Sequence[Path]) -> None:
         cards = [TrainingFolder(folder).card() or {} for folder in folders]
         share = sum(card.get("used", 0.0) for card in cards) / len(cards)
         bar.update(int(share * bar.total) - bar.n)
+
+
+def _score(config: RunConfig) -> Score:
+    return score_of(config.scenario)._replace(wear=config.hyperparameters.training.wear)
 
 
 def summarised(cards: Sequence[dict[str, Any]], score: Score) -> dict[str, Any]:

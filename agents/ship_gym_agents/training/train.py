@@ -12,13 +12,14 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from ship_gym.config import ConfigError
 from ship_gym_agents.sb3.config import RunConfig
 from ship_gym_agents.training.curves import draw_curves
 from ship_gym_agents.training.final import judge
 from ship_gym_agents.training.run import Report, Run
 from ship_gym_agents.training.run_folder import TrainingFolder
 
-FEWEST_JUDGING = 32  # episodes of the final evaluation, at least
+FEWEST_JUDGING = 64  # episodes of the final evaluation, at least
 GAUSS_NEWTON = "gauss_newton"
 
 
@@ -81,6 +82,12 @@ def train(
         run = Run(config, folder, minutes, steps, resume, told, report)
         try:
             return _learner(config.algorithm)(run, init, bar, _judge(run) if final else None)
+        except ConfigError:
+            folder.free()
+            raise
+        except KeyboardInterrupt:
+            run.write("interrupted")
+            raise
         finally:
             draw_curves(folder.path)
 
@@ -109,6 +116,6 @@ def _judge(run: Run) -> Callable[[Any], dict[str, Any]]:
 
     def of(policy: Any) -> dict[str, Any]:
         episodes = max(FEWEST_JUDGING, run.episodes)
-        return judge(policy, run.config.scenario, run.score, episodes, base)
+        return judge(policy, run.config.scenario, run.score, episodes, base, run.seeds)
 
     return of

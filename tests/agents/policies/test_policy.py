@@ -1,15 +1,19 @@
 """Policies as controllers: intervals, memory, and what they refuse to steer."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from ship_gym_agents.forms.form import Form
+from ship_gym_agents.pid import PID
 from ship_gym_agents.policies.policy import Policy
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import Controller
 from ship_gym.scenarios import load_scenario
+from ship_gym.ships import load_ship
 
-from .conftest import FEATURES, begun, observations, random_policy, sailed
+from .conftest import COLUMNS, FEATURES, begun, observations, random_policy, sailed
 
 
 def test_a_policy_is_a_controller_of_batches(policy):
@@ -50,7 +54,9 @@ def test_rows_that_restart_remember_nothing():
 def test_what_it_says_of_itself():
     about = random_policy("lstm", Form(every=2)).about()
     assert about["form"] == "direct every 2 intervals, sees observation"
-    assert about["network"]["kind"] == "lstm" and "seed" not in about
+    assert about["network"] == "lstm 5, mlp 4, tanh, clip" and "seed" not in about
+    assert random_policy("linear").network.in_words == "linear, clip"
+    assert random_policy("symmetric").network.in_words == "mlp 8, tanh, clip, symmetric"
 
 
 def other(policy, **card):
@@ -65,8 +71,25 @@ def test_other_scenarios_are_refused():
     trained = other(policy, config={"scenario": {"task": "heading_keeping", "control": "rudder"}})
     with pytest.raises(ConfigError, match=r"trained for control = 'rudder', not 'rudder\+rpm'"):
         begun(trained, scenario=both)
-    with pytest.raises(ConfigError, match="trained for task = 'heading_keeping', not 'track"):
+    with pytest.raises(ConfigError, match="trained on 'heading_keeping', not 'track"):
         begun(trained, scenario=load_scenario("track_following"))
+
+
+def test_a_ship_without_gains_of_the_base_is_refused():
+    policy = begun(random_policy("linear", Form("residual", "pid", 0.2)))
+    ship = dataclasses.replace(load_ship("kcs"), name="mine")
+    with pytest.raises(ConfigError, match=r"policy tiny-linear: no pid gains for ship 'mine'"):
+        policy.reset(1, ship, load_scenario())
+
+
+def test_a_residual_adds_its_share_to_the_rudder_of_the_base():
+    seen = 0.02 * observations()
+    seen[..., COLUMNS.index("cos_error")] = 1.0
+    both = sailed(random_policy("symmetric", Form("residual", "pid", 0.2)), seen)
+    base, own = sailed(PID(), seen), sailed(random_policy("symmetric"), seen)
+    inside = (np.abs(both) < 1.0) & (np.abs(base) < 1.0)
+    assert inside.mean() > 0.5 and np.abs(own).max() > 0.01
+    np.testing.assert_allclose((both - base)[inside], 0.2 * own[inside], atol=1e-12)
 
 
 def test_other_features_than_this_version_makes_are_refused():

@@ -12,6 +12,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from safetensors.numpy import load, save
+from ship_gym_agents.entrants import entrant
+from ship_gym_agents.forms.form import Form
+from ship_gym_agents.gains_files import tuned_files
 from ship_gym_agents.policies import policy_file
 from ship_gym_agents.policies.old_zip import is_old, load_old
 from ship_gym_agents.policies.policy_file import (
@@ -222,6 +225,38 @@ def test_nothing_in_a_file_is_run(tmp_path, name, kind):
     with pytest.raises(ConfigError):
         load_policy(tmp_path)
     assert not trace.exists()
+
+
+OWN = """
+from pathlib import Path
+from ship_gym_agents.pid import PID as Own
+Path("trace").touch()
+"""
+
+
+@pytest.mark.parametrize("base", ["own.py:Own", "own.py:Own@kcs", "own.py@kcs", "own.toml"])
+def test_no_python_file_that_a_card_names_is_run(tmp_path, monkeypatch, base):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own.py").write_text(OWN)
+    (tmp_path / "own.toml").write_text('controller = "own.py:Own"\n')
+    save_policy(random_policy("linear", Form("residual", base, 0.1)), "policy.safetensors")
+    with pytest.raises(ConfigError, match="Python code of its own, not run"):
+        load_policy("policy.safetensors")
+    with pytest.raises(ConfigError, match="Python code of its own, not run"):
+        entrant("policy.safetensors")
+    assert not (tmp_path / "trace").exists()
+
+
+def test_gains_of_a_file_may_steer(tmp_path):
+    gains = tuned_files("pid")[0]
+    save_policy(random_policy("linear", Form("residual", str(gains), 0.1)), tmp_path / POLICY_FILE)
+    sailed(load_policy(tmp_path), observations())
+
+
+def test_an_onnx_export_is_no_policy(tmp_path):
+    (tmp_path / "policy.onnx").write_bytes(b"")
+    with pytest.raises(ConfigError, match="name the policy it was made from"):
+        load_policy(tmp_path / "policy.onnx")
 
 
 def test_zips_are_told_apart(tmp_path):

@@ -126,3 +126,15 @@ def test_several_ships_in_turn():
 def test_episodes_that_do_not_go_up_with_the_ships_are_refused():
     with pytest.raises(ConfigError, match=r"algorithm.episodes = 3: allowed are multiples of 2"):
         Voyages(config_of(("kcs", "kvlcc2"), episodes=3))
+
+
+def test_propeller_answers_even_features_and_has_a_bias():
+    form = {**RESIDUAL, "base": "just_in_time", "scale_rpm": 0.3}
+    helm = Helm(Form(**form, features=("observer", "voyage")))
+    helm.reset(1, load_ship("kcs"), load_scenario("track_economy"))
+    assert helm.decisions == ("rudder", "rpm")
+    layout = Layout(helm, [], "tanh")
+    network = layout.network(np.ones(layout.size))
+    odd = helm.signs < 0.0
+    np.testing.assert_array_equal(network.weights[0], np.stack([odd, ~odd]).astype(float))
+    np.testing.assert_array_equal(network.biases[0], [0.0, 1.0])

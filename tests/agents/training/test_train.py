@@ -20,6 +20,7 @@ from ship_gym_agents.training.run import Run
 from ship_gym_agents.training.run_folder import TrainingFolder
 from ship_gym_agents.training.sb3_run import SB3Run
 from ship_gym_agents.training.score import validate
+from ship_gym_agents.training.seeds import train_seeds
 from ship_gym_agents.training.train import train
 
 
@@ -249,6 +250,17 @@ def test_a_price_with_a_limit_decides_what_is_chosen(tiny, tmp_path):
     assert f"rudder travel up to {own.means['rudder_travel']:.4g} deg/h" in card["score"]
     assert all(v["multiplier"] >= 0.0 for v in card["validations"] if "multiplier" in v)
     assert "multiplier" in columns(out / "curve.csv")[-1]
+
+
+def test_what_is_refused_leaves_the_folder_free(tiny, tmp_path):
+    track = {"form": {"action": "residual", "base": "drift_los"}}  # cannot steer a heading
+    with pytest.raises(ConfigError, match="drift_los"):
+        train(tiny(more=track), tmp_path / "run", steps=64)
+    with pytest.raises(ConfigError, match="no such policy"):
+        train(tiny(), tmp_path / "run", steps=64, init=tmp_path / "none.safetensors")
+    with pytest.raises(ConfigError, match="drift_los"):
+        train_seeds(tiny(more=track), tmp_path / "run", 2, steps=64)
+    assert not (tmp_path / "run" / "card.json").exists()
 
 
 def test_missing_extra_is_one_clear_line(monkeypatch, tiny, tmp_path):
