@@ -2,7 +2,6 @@
 
 import json
 
-import numpy as np
 import pytest
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training import agent_search, search_confirm
@@ -36,7 +35,7 @@ def test_a_search_ends_with_the_command_that_trains(cli, monkeypatch, tmp_path):
         rate = run_config(**given).hyperparameters.training.learning_rate
         value = 1.0 + 100.0 * rate
         means = {"J_steady": value, "success": 1.0, "rudder_travel": 900.0}
-        return Validation(means, list(np.full(len(judging), value)), 0.0)
+        return Validation(means, {"J_steady": [value] * len(judging)}, 0.0)
 
     monkeypatch.setattr(agent_search, "trained", trained)
     monkeypatch.setattr(search_confirm, "trained", trained)

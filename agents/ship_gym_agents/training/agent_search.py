@@ -211,7 +211,8 @@ def _sailed_trial(plan: Plan, out: Path, trial: Any, settings: Mapping[str, Any]
         given["seed"] = config.seed + k
         report = _reporter(trial, k, validations)
         parts.append(trained(plan, given, folder / f"seed_{k}", judging, report))
-    each = [value for part in parts for value in part.each]
+    name = score_of(config.scenario).name
+    each = [value for part in parts for value in part.each[name]]
     return each, {name: mean_of([p.means[name] for p in parts]) for name in parts[0].means}
 
 

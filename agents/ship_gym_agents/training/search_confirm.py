@@ -15,6 +15,7 @@ from ship_gym.evaluation.engines import Work, engine_of
 from ship_gym.evaluation.splits import tuning_seeds
 from ship_gym.provenance import atomic_path
 from ship_gym_agents.sb3.config import run_config
+from ship_gym_agents.training.score import score_of
 from ship_gym_agents.training.search_plan import Plan, held, trained
 from ship_gym_agents.training.search_space import with_settings
 
@@ -94,9 +95,10 @@ def _do_confirm(job: _Job) -> list[float | None]:
         if found["settings"] == key:
             return found["each"]
     given = with_settings(plan.given, job.settings)
-    given["seed"] = run_config(**given).seed + _FRESH + job.number
+    config = run_config(**given)
+    given["seed"] = config.seed + _FRESH + job.number
     judging = tuning_seeds(2 * plan.episodes)[plan.episodes :]
-    each = trained(plan, given, folder, judging).each
+    each = trained(plan, given, folder, judging).each[score_of(config.scenario).name]
     with atomic_path(file) as temporary:
         temporary.write_text(json.dumps({"settings": key, "each": each}) + "\n", encoding="utf-8")
     return each
