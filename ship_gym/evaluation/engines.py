@@ -18,7 +18,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, NamedTuple
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, check_known
 from ship_gym.evaluation.unit import lost, sail
 from ship_gym.provenance import git_commit, versions
 
@@ -56,11 +56,11 @@ def engine_of(
     Raises
     ------
     ConfigError
-        An address without Ray.
+        An unknown engine, or an address without Ray.
     ImportError
         Ray is asked for and not installed; says how to install it.
     """
-    if name == "ray":
+    if check_known("engine", name, ENGINES) == "ray":
         ray = _ray()
         return lambda units: on_ray(ray, units, jobs, address, work)
     if address is not None:

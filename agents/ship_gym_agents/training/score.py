@@ -43,7 +43,7 @@ class Score(NamedTuple):
         unit = "" if self.unit == "-" else f" [{self.unit}]"
         held = "" if self.limit is None else f"rudder travel up to {self.limit:.4g} deg/h, then "
         sign = "+" if self.better == "lower" else "-"
-        wear = f" {sign} {self.wear:g} rudder travel [deg/h]" if self.wear else ""
+        wear = f" {sign} {self.wear:.3g} rudder travel [deg/h]" if self.wear else ""
         return f"fewest failures, then {held}mean {self.name}{unit}{wear}, {self.better} is better"
 
     def key(self, found: Mapping[str, Any]) -> tuple[float, bool, float, float]:
