@@ -27,7 +27,7 @@ LAMBDA = 0.1  # of J, weight of the squared rudder angle
 _SMALL = 0.3  # rudder movement below which its price is that of its square [deg]
 _SLACK = 0.02  # share of the time of a voyage in which an arrival is late already
 _LATE = 10.0  # of the share by which it is late: 1 % of the time weighs as 1 % of the energy
-_HOLD = 0.02  # courses: weight of the squared rudder angle, in deg2 of the heading error
+_HOLD = 6e-4  # courses: weight of the squared rudder angle [deg2], by band squared
 
 
 class Residuals:
@@ -153,13 +153,14 @@ class Course(Heading):
         self._side = np.where(self._take_orders(), np.sign(left), self._side)
         return (
             options.band * np.tanh(error / options.band),
-            math.sqrt(_HOLD) * np.degrees(batch.sim.state[:, DELTA]),
+            math.sqrt(_HOLD) * options.band * np.degrees(batch.sim.state[:, DELTA]),
             math.sqrt(options.overshoot) * beyond,
         )
 
     def _worst(self) -> tuple[float, ...]:
         limit, hard_over = super()._worst()
-        return self._options.band, math.sqrt(_HOLD / LAMBDA) * hard_over, limit
+        band = self._options.band
+        return band, math.sqrt(_HOLD / LAMBDA) * band * hard_over, limit
 
 
 class Track(Residuals):
