@@ -7,11 +7,13 @@ at now (``reference``), rudder angle. A learned guidance may stand between the t
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from ship_gym.config import ConfigError
 from ship_gym.conventions import wrap_angle
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.scenarios.scenario import Scenario
@@ -19,6 +21,7 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.columns import View, action_columns, observation_columns
 from ship_gym_agents.gains_files import find_gains, find_tuned
 from ship_gym_agents.reference import OrderWatch, ReferenceModel
+from ship_gym_agents.wave_filter import Observer
 
 
 class Perceived(NamedTuple):
@@ -61,6 +64,9 @@ class Autopilot:
         Gain, by its dotted name, to lowest, highest and first value of a tuning.
     lent_by : Ship or None
         The ship whose tuned gains steer, whatever ship sails; None: her own or those given.
+    filter_noise : float
+        Noise of the ship's own motion that the observer assumes, by that of the gains; 1 unless
+        set before `reset`. Below 1 more of the measured motion is taken for waves.
     followed : tuple
         Heading less ordered heading [rad], r', v' and rudder angle [rad] that the last `steer`
         led to: those of the reference model, without one the wanted heading and zeros.
@@ -73,6 +79,7 @@ class Autopilot:
     def __init__(self, gains: Any = None, name: str = ""):
         self.gains, self.name, self._source = gains, name or self.KIND, "of the ship"
         self.lent_by: Ship | None = None
+        self.filter_noise = 1.0
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
         """Forget everything; `count` episodes of `scenario` with `ship` begin together.
@@ -92,6 +99,8 @@ class Autopilot:
         self._stroke = ship.gear.rate * scenario.control_interval / ship.time_unit
         self._watch = OrderWatch(self._step)
         chosen = g.wave_filter
+        if self.filter_noise != 1.0:
+            chosen = self._calmer(chosen)
         self._filter = _as_measured if chosen is None else chosen.start(count, self._step)
         self._reference = None
         if g.reference is not None:
@@ -176,6 +185,19 @@ class Autopilot:
         path = find_gains(ship.name, self.KIND, task)
         self._source = "first gains, not tuned" if path is None else path.name
         return self.gains_for(ship, task)
+
+    def _calmer(self, chosen: Any) -> Observer:
+        """The observer of the gains with `filter_noise` times the noise of the ship's motion."""
+        if not isinstance(chosen, Observer):
+            raise ConfigError(
+                f"filter_noise = {self.filter_noise}: controller {self.name} has no observer here; "
+                "allowed is 1"
+            )
+        return dataclasses.replace(
+            chosen,
+            sway_noise=self.filter_noise * chosen.sway_noise,
+            yaw_noise=self.filter_noise * chosen.yaw_noise,
+        )
 
     def _felt(self, seen: View, delta: np.ndarray) -> np.ndarray:
         """Rudder angle [rad] as the observer's ship would feel that achieved, shape (count,)."""
