@@ -18,8 +18,8 @@ left there moves to runs/quickstart.previous.
   -h, --help   this text
 
 Environment: PYTHON (Python >= 3.11 to use), SHIP_GYM_VENV (default .venv), RECIPE (plan of
-training, default heading_gauss_newton; another one may need another suite than SUITE names,
-default scripts/quickstart_suite.toml).
+training, default heading_gauss_newton), SUITE (what it is judged on, default
+scripts/quickstart_suite.toml, which is of headings).
 
 Examples:
   bash scripts/quickstart.sh

@@ -188,6 +188,7 @@ def load_hyperparameters(
     *,
     task: str = "",
     settings: Mapping[str, Any] | None = None,
+    where: str = "",
 ) -> Hyperparameters:
     """Hyperparameters of an algorithm.
 
@@ -203,6 +204,8 @@ def load_hyperparameters(
         The package's own of this task, where it has such.
     settings : mapping, optional
         Single values by dotted key, as in ``{"training.gamma": 0.995}``; they replace all others.
+    where : str
+        What to call a mapping in an error.
 
     Raises
     ------
@@ -214,9 +217,9 @@ def load_hyperparameters(
     of_task = _FOLDER / f"{algorithm}.{task}.toml"
     if task and of_task.is_file():
         values = merged(values, read_toml(of_task))
-    where = (
-        Path(source).name if isinstance(source, str | Path) else f"hyperparameters of {algorithm}"
-    )
+    if isinstance(source, str | Path):
+        where = Path(source).name
+    where = where or f"hyperparameters of {algorithm}"
     values = merged(values, partial(source, where))
     if envs is not None:
         values = merged(values, {"training": {"envs": envs}})

@@ -56,6 +56,7 @@ def draw_curves(out: str | Path, folders: Sequence[str | Path] | None = None) ->
     scenario = card["config"]["scenario"]
     measure = card["measure"]
     first, last = card["validation_seeds"]
+    references = card.get("final", {}).get("references", {})
     path = Path(out) / CURVE_PICTURE
     plot_learning_curves(
         [read_curve(run / CURVE_FILE) for run in runs],
@@ -63,7 +64,7 @@ def draw_curves(out: str | Path, folders: Sequence[str | Path] | None = None) ->
         measure["unit"],
         path,
         f"{card['config']['algorithm']}, {scenario['task']}, {scenario['ship']}",
-        f"mean of {last - first + 1} validation seas; dashed: on the seas of the final evaluation",
-        card.get("final", {}).get("references"),
+        f"mean of {last - first + 1} validation seas, the same for all",
+        {name: each["validation"] for name, each in references.items()},
     )
     return path

@@ -137,7 +137,7 @@ class Run:
         if self.budget.minutes is None:
             return
         few = EPISODES[-1]
-        cost = validate(policy, self.config.scenario, self._seeds(few)).seconds / few
+        cost = validate(policy, self.config.scenario, _seeds(few)).seconds / few
         spare = _SHARE * 60.0 * self.budget.minutes / _FEWEST
         self.episodes = next((n for n in EPISODES if n * cost <= spare), few)
 
@@ -146,12 +146,14 @@ class Run:
         limit = self.config.hyperparameters.price.limit
         if limit == "base":
             base = make_controller(self.config.hyperparameters.form.base)
-            seeds = self._seeds(self.episodes)
-            limit = validate(base, self.config.scenario, seeds, self.score).means["rudder_travel"]
+            sailed = validate(base, self.config.scenario, self.seeds, self.score)
+            limit = sailed.means["rudder_travel"]
         self.score = self.score._replace(limit=float(limit) if limit else None)
 
-    def _seeds(self, count: int) -> list[int]:
-        return list(range(VALIDATION_SEED, VALIDATION_SEED + count))
+    @property
+    def seeds(self) -> list[int]:
+        """Seeds of the validations."""
+        return _seeds(self.episodes)
 
     def _next(self) -> None:
         """Set the share of the budget at which the next validation is due."""
@@ -223,7 +225,7 @@ class Run:
 
     def _validate(self, policy: Any, learner: dict[str, float]) -> dict[str, Any]:
         """Sail the validation episodes; keep the policy if it is the best so far."""
-        sailed = validate(policy, self.config.scenario, self._seeds(self.episodes), self.score)
+        sailed = validate(policy, self.config.scenario, self.seeds, self.score)
         self._cost = sailed.seconds
         self._validated += sailed.seconds
         found = {**sailed.means, **learner, "samples": self.samples}
@@ -275,7 +277,7 @@ class Run:
     def _card(self, status: str) -> dict[str, Any]:
         budget = self.budget
         card = {
-            "name": f"{self.config.algorithm}-{self.folder.path.name}",
+            "name": f"{self.config.algorithm}-{self.folder.name}",
             "status": status,
             "config": plain(self.config),
             "budget": {"minutes": budget.minutes, "steps": budget.steps},
@@ -290,3 +292,7 @@ class Run:
         }
         told = {"best": self.chosen, "final": self.final}
         return card | {key: value for key, value in told.items() if value is not None}
+
+
+def _seeds(count: int) -> list[int]:
+    return list(range(VALIDATION_SEED, VALIDATION_SEED + count))

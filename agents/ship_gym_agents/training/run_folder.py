@@ -33,6 +33,12 @@ class TrainingFolder:
         self.path = Path(path)
         self._checkpoints = self.path / _CHECKPOINTS
 
+    @property
+    def name(self) -> str:
+        """Name of the folder; one of several seeds is named with its run."""
+        path = self.path.absolute()
+        return f"{path.parent.name}-{path.name}" if path.name.startswith("seed_") else path.name
+
     def locked(self) -> contextlib.AbstractContextManager[None]:
         """Hold the folder; refused while another process does. Killing that one frees it."""
         return locked(self.path / _LOCK, "trains into this folder")

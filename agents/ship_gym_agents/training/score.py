@@ -43,7 +43,7 @@ class Score(NamedTuple):
         unit = "" if self.unit == "-" else f" [{self.unit}]"
         held = "" if self.limit is None else f"rudder travel up to {self.limit:.4g} deg/h, then "
         sign = "+" if self.better == "lower" else "-"
-        wear = f" {sign} {self.wear:g} rudder travel [deg/h]" if self.wear else ""
+        wear = f" {sign} {self.wear:.3g} rudder travel [deg/h]" if self.wear else ""
         return f"fewest failures, then {held}mean {self.name}{unit}{wear}, {self.better} is better"
 
     def key(self, found: Mapping[str, Any]) -> tuple[float, bool, float, float]:
@@ -70,10 +70,10 @@ def score_of(scenario: Scenario) -> Score:
 
 
 class Validation(NamedTuple):
-    """Sailed validation episodes: means, the score of each episode, and how long it took [s]."""
+    """Sailed validation episodes: means, values of each episode, and how long it took [s]."""
 
     means: dict[str, float | None]
-    each: list[float | None]
+    each: dict[str, list[float | None]]
     seconds: float
 
 
@@ -98,7 +98,7 @@ def validate(
     found = [metrics(episode) for episode in sailed.episodes]
     columns = {n: [row[n] for row in found] for n in dict.fromkeys((score.name, *_BESIDE))}
     means = {name: _mean(column) for name, column in columns.items()}
-    return Validation(means, columns[score.name], time.monotonic() - began)
+    return Validation(means, columns, time.monotonic() - began)
 
 
 def _mean(column: Sequence[float | None]) -> float | None:

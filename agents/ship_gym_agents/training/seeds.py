@@ -23,7 +23,7 @@ from ship_gym_agents.training.budget import Budget
 from ship_gym_agents.training.curves import draw_curves
 from ship_gym_agents.training.run_folder import TrainingFolder
 from ship_gym_agents.training.score import Score, score_of
-from ship_gym_agents.training.train import need_libraries, train
+from ship_gym_agents.training.train import beginning, need_libraries, train
 
 SUMMARY_FILE = "summary.json"
 _POLL = 2.0  # seconds between two looks at the cards of runs in other processes
@@ -70,13 +70,15 @@ def train_seeds(
     folder = TrainingFolder(out)
     with folder.locked():
         _check_earlier(folder, config, count, resume)
+        init = beginning(folder, init, resume)
         card = {
-            "name": f"{config.algorithm}-{folder.path.name}",
+            "name": f"{config.algorithm}-{folder.name}",
             "status": "running",
             "config": plain(config),
             "budget": {"minutes": minutes, "steps": steps},
             "seeds": count,
             "command": command,
+            "init": init,
             **provenance(),
         }
         folder.write_card(card)

@@ -43,12 +43,12 @@ def test_the_return_decides_where_episodes_are_too_short():
 def test_validation_means_are_those_of_the_metrics():
     scenario = load_scenario(overrides={"duration": 200.0})
     sailed = validate(make_controller("pid"), scenario, [VALIDATION_SEED, VALIDATION_SEED + 1])
-    assert sailed.means["J_steady"] == pytest.approx(np.mean(sailed.each))
+    assert sailed.means["J_steady"] == pytest.approx(np.mean(sailed.each["J_steady"]))
     assert sailed.means["success"] == 1.0 and sailed.seconds > 0.0
 
 
-def of(values):
-    return Validation({}, list(values), 0.0)
+def of(values, name="J_steady"):
+    return Validation({}, {name: list(values)}, 0.0)
 
 
 def test_a_verdict_needs_an_interval_without_zero():
@@ -57,7 +57,7 @@ def test_a_verdict_needs_an_interval_without_zero():
     assert compared(of(base - 0.5 + noise), of(base), LOWER)["verdict"] == BETTER
     assert compared(of(base + 0.5 + noise), of(base), LOWER)["verdict"] == WORSE
     higher = Score("x", "-", "higher")
-    assert compared(of(base + 0.5 + noise), of(base), higher)["verdict"] == BETTER
+    assert compared(of(base + 0.5 + noise, "x"), of(base, "x"), higher)["verdict"] == BETTER
     open_ = compared(of(base + noise - noise.mean()), of(base), LOWER)
     assert open_["verdict"] == OPEN and open_["low"] < 0.0 < open_["high"]
 
@@ -84,6 +84,7 @@ def test_the_judgement_says_what_it_found():
     against = same["references"]["pid"]["difference"]
     assert (against["value"], against["verdict"]) == (0.0, OPEN)
     assert "no difference shown from pid" in same["text"]
+    assert "rudder travel +0 [+0, +0] deg/h" in same["text"]
     nothing = judge(make_controller("constant"), scenario, score, 24)
     assert nothing["references"]["pid"]["difference"]["verdict"] == WORSE
     assert "worse than pid" in nothing["text"] and "success" in nothing["text"]
