@@ -105,7 +105,7 @@ def _pooled(units: Units, jobs: int, under_way: dict[Future, int], work: Work) -
     """Do units in a pool; `under_way` holds those that are, no more than the pool can take."""
     context, before = multiprocessing.get_context("spawn"), set(multiprocessing.active_children())
     with _environment(_ONE_THREAD):
-        pool = ProcessPoolExecutor(min(jobs, len(units)), context, _begin_worker)
+        pool = ProcessPoolExecutor(min(jobs, len(units)), context, begin_worker)
         todo = iter(units.items())
         try:
             while True:
@@ -137,8 +137,8 @@ def _environment(variables: Mapping[str, str]) -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _begin_worker() -> None:
-    """Leave Ctrl-C to the parent, and end with it, however it ends."""
+def begin_worker() -> None:
+    """In a process of a pool: leave Ctrl-C to the parent, and end with it, however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 

@@ -22,7 +22,7 @@ from ship_gym.plotting.figure import (
 
 _REFERENCES = (AMBER, TEAL, VIOLET, RED)
 _TRAVEL = "rudder_travel"
-_FAR = 4.0  # a score this many times the best ends the axis: what learning began with may be awful
+_FAR = 4.0  # times the median ends the axis: what learning began with may be awful
 
 Curve = Mapping[str, Sequence[float | None]]
 
@@ -97,9 +97,11 @@ def _draw(axes: Axes, curves: list[np.ndarray]) -> None:
 
 
 def _scale(axes: Axes) -> None:
-    """Leave out the first values where they would press all others together."""
-    values = np.concatenate([line.get_ydata() for line in axes.lines] or [[]]).astype(float)
+    """Leave out first values that would press all others together; where a line ends is shown."""
+    lines = [np.asarray(line.get_ydata(), dtype=np.float64) for line in axes.lines]
+    values = np.concatenate([*lines, []])
     if len(values) and values.min() > 0.0:
-        low, high = values.min(), min(values.max(), _FAR * np.median(values))
+        ends = max(line[-1] for line in lines)
+        low, high = values.min(), max(ends, min(values.max(), _FAR * np.median(values)))
         room = 0.06 * (high - low) or 0.05 * high
         axes.set_ylim(low - room, high + room)

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
-from ship_gym.plotting.learning_curve import plot_learning_curves
+from ship_gym.plotting.learning_curve import _scale, plot_learning_curves
 
 SAMPLES = [0.0, 100.0, 200.0]
 ONE = {"samples": SAMPLES, "J": [30.0, 25.0, 22.0], "rudder_travel": [900.0, 950.0, 800.0]}
@@ -21,3 +22,17 @@ def test_curves_are_drawn(tmp_path, curves):
         assert image.size == (946, 440)
         drawn = np.asarray(image.convert("RGB")).reshape(-1, 3)
     assert len(np.unique(drawn, axis=0)) > 10
+
+
+@pytest.mark.parametrize(
+    ("policy", "high"),
+    [([500.0, 3.0, 2.0], 12.0), ([500.0, 480.0, 470.0], 470.0), ([900.0, 3.0, 60.0], 60.0)],
+)
+def test_a_bad_start_is_cut_off_but_not_the_end(policy, high):
+    axes = Figure().add_subplot()
+    axes.plot(policy)
+    for reference in (3.0, 2.9):
+        axes.axhline(reference)
+    _scale(axes)
+    assert high <= axes.get_ylim()[1] < 1.1 * high
+    assert axes.get_ylim()[0] < 3.0

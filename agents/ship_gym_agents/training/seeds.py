@@ -11,11 +11,14 @@ import dataclasses
 import json
 import multiprocessing
 import shutil
+import signal
 from collections.abc import Callable, Sequence
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError, check_number
+from ship_gym.evaluation.engines import begin_worker
 from ship_gym.provenance import atomic_path, provenance
 from ship_gym_agents.policies.policy_file import POLICY_FILE
 from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, plain
@@ -49,7 +52,8 @@ def train_seeds(
     ----------
     count : int
     jobs : int
-        Runs at a time, each in a process of its own if more than one.
+        Runs at a time, each in a process of its own if more than one. Ctrl-C and `SIGTERM` let
+        each write a checkpoint.
     config, out, minutes, steps, resume, init, bar, final, command
         As in `train`; the budget is that of each seed.
 
@@ -62,6 +66,8 @@ def train_seeds(
     ------
     ConfigError
         As `train`, or a run of another number of seeds to resume.
+    ChildProcessError
+        The process of a seed was killed.
     """
     check_number("seeds", count, 2, 1000)
     check_number("jobs", jobs, 1, 1000)
@@ -86,12 +92,11 @@ def train_seeds(
         options |= {"final": final, "command": command}
         try:
             cards = _all(_parts(config, folder.path, count), options, jobs, bar)
-        except ConfigError:
-            if not any(folder.path.glob(f"seed_*/{CARD_FILE}")):
+        except BaseException as stop:
+            status = "interrupted" if isinstance(stop, KeyboardInterrupt) else "stopped"
+            folder.write_card(card | {"status": status})
+            if isinstance(stop, ConfigError) and not any(folder.path.glob(f"seed_*/{CARD_FILE}")):
                 folder.free()
-            raise
-        except KeyboardInterrupt:
-            folder.write_card(card | {"status": "interrupted"})
             raise
         finally:
             draw_curves(folder.path, sorted(folder.path.glob("seed_*")))
@@ -129,27 +134,51 @@ def _all(
     parts: Sequence[tuple[RunConfig, Path]], options: dict[str, Any], jobs: int, bar: Any
 ) -> list[dict[str, Any]]:
     """Train all, in turn or several at a time; their cards in order."""
-    if jobs == 1:
-        return [
-            _one(config, out, options, None if bar is None else _PartOfBar(bar, k, len(parts)))
-            for k, (config, out) in enumerate(parts)
-        ]
-    spawn = multiprocessing.get_context("spawn")  # a forked torch may hang
-    with concurrent.futures.ProcessPoolExecutor(jobs, mp_context=spawn) as pool:
-        try:
-            waiting = [pool.submit(_one, config, out, options, None) for config, out in parts]
-            left = set(waiting)
-            while left:
-                done, left = concurrent.futures.wait(
-                    left, _POLL, concurrent.futures.FIRST_EXCEPTION
-                )
-                for one in done:
-                    one.result()  # raises what ended it
-                _show(bar, [out for _, out in parts])
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-        return [one.result() for one in waiting]
+    if jobs > 1:
+        return _side_by_side(parts, options, jobs, bar)
+    return [
+        _one(config, out, options, None if bar is None else _PartOfBar(bar, k, len(parts)))
+        for k, (config, out) in enumerate(parts)
+    ]
+
+
+def _side_by_side(
+    parts: Sequence[tuple[RunConfig, Path]], options: dict[str, Any], jobs: int, bar: Any
+) -> list[dict[str, Any]]:
+    """Train `jobs` at a time, each in a process of its own, which ends with this one.
+
+    No more are handed out than are trained: what a pool has been given it does to the end.
+    """
+    spawn, before = multiprocessing.get_context("spawn"), set(multiprocessing.active_children())
+    todo, under_way, made = iter(enumerate(parts)), {}, {}  # a forked torch may hang: spawn
+    pool = concurrent.futures.ProcessPoolExecutor(jobs, spawn, begin_worker)
+    try:
+        while len(made) < len(parts):
+            while len(under_way) < jobs and (item := next(todo, None)) is not None:
+                under_way[pool.submit(_one_there, *item[1], options)] = item[0]
+            done, _ = concurrent.futures.wait(under_way, _POLL, concurrent.futures.FIRST_COMPLETED)
+            for one in done:
+                made[under_way.pop(one)] = one.result()  # raises what ended it
+            _show(bar, [out for _, out in parts])
+    except BrokenProcessPool:
+        raise ChildProcessError(
+            "the process of a seed was ended from outside; --resume goes on"
+        ) from None
+    finally:
+        if len(made) < len(parts):
+            for process in set(multiprocessing.active_children()) - before:
+                process.terminate()
+        pool.shutdown(cancel_futures=True)
+    return [made[k] for k in range(len(parts))]
+
+
+def _one_there(config: RunConfig, out: Path, options: dict[str, Any]) -> dict[str, Any]:
+    """`_one` in a process of a pool; being terminated breaks it off, with a checkpoint."""
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        return _one(config, out, options, None)
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _one(config: RunConfig, out: Path, options: dict[str, Any], bar: Any) -> dict[str, Any]:

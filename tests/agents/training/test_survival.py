@@ -11,6 +11,9 @@ import time
 import pytest
 from ship_gym_agents.policies.policy_file import load_policy
 
+from ship_gym.config import ConfigError
+from ship_gym.provenance import locked
+
 pytest.importorskip("stable_baselines3")
 
 INTERVAL = 1.0  # between two checkpoints [s]
@@ -77,6 +80,43 @@ def test_checkpoints_are_written_in_time(tmp_path):
     assert json.loads((tmp_path / "run" / "card.json").read_text())["status"] == "interrupted"
 
 
-def start(folder):
+@pytest.mark.slow
+@pytest.mark.compiled
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
+def test_seeds_side_by_side_end_with_their_run(tmp_path, how):
+    out = tmp_path / "run"
+    process = start(tmp_path, "--seeds", "3", "--jobs", "2")
+    try:
+        wait_for(lambda: all(state(out / f"seed_{k}")["samples"] for k in (0, 1)), 180.0)
+        kept = [state(out / f"seed_{k}")["samples"] for k in (0, 1)]
+    finally:
+        process.send_signal(how)
+    wait_for(lambda: not any(is_held(out / f"seed_{k}") for k in (0, 1)), 30.0)
+    process.wait(timeout=30)
+    assert not (out / "seed_2").exists(), "none is begun after the end"
+    assert all(state(out / f"seed_{k}")["samples"] >= kept[k] for k in (0, 1))
+    if how is signal.SIGTERM:
+        folders = (out, out / "seed_0", out / "seed_1")
+        cards = [json.loads((folder / "card.json").read_text()) for folder in folders]
+        assert [card["status"] for card in cards] == 3 * ["interrupted"]
+
+
+def wait_for(condition, seconds):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited too long"
+        time.sleep(0.1)
+
+
+def is_held(folder):
+    try:
+        with locked(folder / "lock", "trains"):
+            return False
+    except ConfigError:
+        return True
+
+
+def start(folder, *more):
     """The run, begun or gone on with."""
-    return subprocess.Popen([*COMMAND, "--resume"], cwd=folder, stderr=subprocess.PIPE, text=True)
+    command = [*COMMAND, "--resume", *more]
+    return subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True)
