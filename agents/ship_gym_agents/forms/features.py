@@ -61,7 +61,16 @@ _PAIRS: dict[str, tuple[str, ...]] = {
     "speed.surge": _MOTION,
     "speed.propeller": ("observer.psi", "observer.bias"),
     "effect.effect": _MOTION,
-    "route.near": ("observer.psi", "observer.yaw_rate", "drift.across"),
+    "route.near": (
+        "observer.psi",
+        "observer.yaw_rate",
+        "observer.rudder",
+        "observer.own_rudder",
+        "route.cross_track",
+        "route.cross_track_rate",
+        "drift.across",
+    ),
+    "route.size_near": ("route.cross_track", "route.turn_near"),
     "drift.along": ("route.turn", "route.turn_near"),
 }
 

@@ -171,11 +171,20 @@ class GaussNewtonOptions:
     ridge : float
         Penalty of the squared weights, that keeps the step of the unneeded ones small.
     price : float
-        Weight of the squared rudder movement in an interval, in deg2, beside that of the task.
+        Of the rudder's movement: cost of a degree, in the unit of the task (deg2 or L2), see
+        ``ship_gym_agents.training.residuals``.
     candidates : int
         Sets of weights sailed in one batch.
     horizon : float
         Length of an episode [full-scale s]; 0: that of training.
+    relative : bool
+        Whether an episode weighs the less, the more it costs at the beginning.
+    turn : float
+        Headings: weight of the intervals of turns, beside 1 of the steady part.
+    band : float
+        Courses: the heading error counts up to about this [deg].
+    overshoot : float
+        Courses: weight of the squared heading beyond a new order.
     """
 
     episodes: int
@@ -185,12 +194,17 @@ class GaussNewtonOptions:
     price: float
     candidates: int
     horizon: float
+    relative: bool
+    turn: float
+    band: float
+    overshoot: float
 
     def __post_init__(self):
         for name in ("episodes", "iterations", "candidates"):
             check_number(f"algorithm.{name}", getattr(self, name), 1, 1e6)
         check_number("algorithm.step", self.step, 1e-8, 1.0)
-        for name in ("ridge", "price", "horizon"):
+        check_number("algorithm.band", self.band, 1e-2, 180.0, "deg")
+        for name in ("ridge", "price", "horizon", "turn", "overshoot"):
             check_number(f"algorithm.{name}", getattr(self, name), 0.0, 1e6)
 
 

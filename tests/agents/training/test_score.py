@@ -79,3 +79,9 @@ def test_the_judgement_says_what_it_found():
     nothing = judge(make_controller("constant"), scenario, score, 24)
     assert nothing["references"]["pid"]["difference"]["verdict"] == WORSE
     assert "worse than pid" in nothing["text"] and "success" in nothing["text"]
+
+
+def test_voyage_at_free_speed_is_judged_by_its_energy():
+    economy = load_scenario("track_economy")
+    assert score_of(economy).name == "voyage_energy" and score_of(economy).better == "lower"
+    assert score_of(load_scenario("track_following")).name == "rms_route"
