@@ -7,11 +7,13 @@ at now (``reference``), rudder angle. A learned guidance may stand between the t
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from ship_gym.config import ConfigError
 from ship_gym.conventions import wrap_angle
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.scenarios.scenario import Scenario
@@ -19,6 +21,7 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.tasks.columns import View, action_columns, observation_columns
 from ship_gym_agents.gains_files import find_gains, find_tuned
 from ship_gym_agents.reference import OrderWatch, ReferenceModel
+from ship_gym_agents.wave_filter import Observer
 
 
 class Perceived(NamedTuple):
@@ -61,6 +64,9 @@ class Autopilot:
         Gain, by its dotted name, to lowest, highest and first value of a tuning.
     lent_by : Ship or None
         The ship whose tuned gains steer, whatever ship sails; None: her own or those given.
+    own_model : bool
+        Whether lent gains come without the linear model of the ship that lends them: filter, and
+        with lqg the regulator, are those of the ship that sails, linearised.
     followed : tuple
         Heading less ordered heading [rad], r', v' and rudder angle [rad] that the last `steer`
         led to: those of the reference model, without one the wanted heading and zeros.
@@ -73,6 +79,7 @@ class Autopilot:
     def __init__(self, gains: Any = None, name: str = ""):
         self.gains, self.name, self._source = gains, name or self.KIND, "of the ship"
         self.lent_by: Ship | None = None
+        self.own_model = False
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
         """Forget everything; `count` episodes of `scenario` with `ship` begin together.
@@ -172,10 +179,14 @@ class Autopilot:
         if self.gains_given:
             self._source = "given"
             return self.gains
-        ship = self.lent_by or ship
+        sailing, ship = ship, self.lent_by or ship
         path = find_gains(ship.name, self.KIND, task)
         self._source = "first gains, not tuned" if path is None else path.name
-        return self.gains_for(ship, task)
+        gains = self.gains_for(ship, task)
+        if not self.own_model:
+            return gains
+        self._source += f", on the linear model of {sailing.name}"
+        return with_model_of(sailing, gains, self.name)
 
     def _felt(self, seen: View, delta: np.ndarray) -> np.ndarray:
         """Rudder angle [rad] as the observer's ship would feel that achieved, shape (count,)."""
@@ -198,6 +209,22 @@ class Autopilot:
             Those of the reference, and its rudder angle [rad].
         """
         raise NotImplementedError(f"{type(self).__name__} has no rudder law: define _rudder")
+
+
+def with_model_of(ship: Ship, gains: Any, name: str) -> Any:
+    """Gains whose observer has the linear model of a ship; all else stays.
+
+    Raises
+    ------
+    ConfigError
+        They have no observer.
+    """
+    if hasattr(gains, "pid"):
+        return dataclasses.replace(gains, pid=with_model_of(ship, gains.pid, name))
+    if getattr(gains, "observer", None) is None:
+        raise ConfigError(f"controller {name}: its gains have no observer, so no linear model")
+    model = Observer.first(ship).ship
+    return dataclasses.replace(gains, observer=dataclasses.replace(gains.observer, ship=model))
 
 
 def wrapped(angle: np.ndarray) -> np.ndarray:

@@ -61,6 +61,8 @@ _PAIRS: dict[str, tuple[str, ...]] = {
     "speed.surge": _MOTION,
     "speed.propeller": ("observer.psi", "observer.bias"),
     "effect.effect": _MOTION,
+    # only one constant of the ship: with few ships more could not be told from each other
+    "ship.N_delta": (*_MOTION, "observer.rudder", "observer.own_rudder", "sea.yaw_rate"),
     "route.near": (
         "observer.psi",
         "observer.yaw_rate",
