@@ -59,8 +59,8 @@ def make_controller(name_or_path: str | Path) -> Controller:
     name_or_path : str or path
         A key of `CONTROLLERS`; ``"name@ship"``: that controller with the gains of this ship,
         whatever ship sails, and ``"name@ship+model"``: on the linear model of the ship that sails,
-        as its designers know it; one of `pretrained()`; the path of a ``.toml`` file of gains, which
-        names its controller; the ``.safetensors`` file of a policy or the folder of a run of
+        as its designers know it; one of `pretrained()`; the path of a ``.toml`` file of gains,
+        which names its controller; the ``.safetensors`` file of a policy or the folder of a run of
         ``ship-gym train``, for several seeds the median one; or ``"file.py:Name"``: a controller
         of one's own, its class or what makes it.
 

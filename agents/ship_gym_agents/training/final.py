@@ -6,7 +6,7 @@ On validation seas of their own, which had no part in the choice of the policy, 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ship_gym.config import ConfigError
@@ -46,7 +46,12 @@ def _can_steer(name: str, scenario: Scenario) -> bool:
 
 
 def judge(
-    policy: Controller, scenario: Scenario, score: Score, episodes: int, base: str = ""
+    policy: Controller,
+    scenario: Scenario,
+    score: Score,
+    episodes: int,
+    base: str = "",
+    ships: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Sail the policy and its references on the same seas.
 
@@ -58,6 +63,8 @@ def judge(
     episodes : int
     base : str
         Name of the controller that the policy is built on, if any.
+    ships : sequence of str
+        Of the training, where it had several; they take turns.
 
     Returns
     -------
@@ -67,10 +74,10 @@ def judge(
         the ``text`` that says it all.
     """
     seeds = list(range(JUDGING_SEED, JUDGING_SEED + episodes))
-    own = validate(policy, scenario, seeds, score)
+    own = validate(policy, scenario, seeds, score, ships)
     found: dict[str, Any] = {}
     for name in references(scenario, base):
-        other = validate(make_controller(name), scenario, seeds, score)
+        other = validate(make_controller(name), scenario, seeds, score, ships)
         found[name] = {**other.means, "difference": compared(own, other, score)}
     made = {"seeds": [seeds[0], seeds[-1]], "policy": own.means, "references": found}
     return {**made, "text": final_text(made, score)}
