@@ -62,7 +62,7 @@ _PAIRS: dict[str, tuple[str, ...]] = {
     "speed.propeller": ("observer.psi", "observer.bias"),
     "effect.effect": _MOTION,
     # only one constant of the ship: with few ships more could not be told from each other
-    "ship.N_delta": (*_MOTION, "observer.rudder", "observer.own_rudder", "sea.yaw_rate"),
+    "ship.time": (*_MOTION, "observer.rudder", "observer.own_rudder", "sea.yaw_rate"),
     "route.near": (
         "observer.psi",
         "observer.yaw_rate",
