@@ -9,14 +9,17 @@ usage() {
 Usage: bash scripts/quickstart.sh [--short]
 
 Makes a virtual environment (.venv) if needed, trains a heading autopilot for the container ship
-KCS for two minutes, evaluates it, records a voyage and simulates a turning circle.
-Everything lands in runs/quickstart; what an earlier run left there moves to
-runs/quickstart.previous.
+KCS for two minutes, judges it beside the PID on a page, records a voyage and simulates a turning
+circle. What is learned is a correction of a classical autopilot, so it begins as good as that one;
+the page says whether it became better. Everything lands in runs/quickstart; what an earlier run
+left there moves to runs/quickstart.previous.
 
-  --short      train for 12 seconds only and evaluate 8 episodes (a smoke test, not an autopilot)
+  --short      train for 12 seconds only and judge on 8 episodes (a smoke test, not an autopilot)
   -h, --help   this text
 
-Environment: PYTHON (Python >= 3.11 to use), SHIP_GYM_VENV (default .venv).
+Environment: PYTHON (Python >= 3.11 to use), SHIP_GYM_VENV (default .venv), RECIPE (plan of
+training, default heading_gauss_newton), SUITE (what it is judged on, default
+scripts/quickstart_suite.toml, which is of headings).
 
 Examples:
   bash scripts/quickstart.sh
@@ -25,8 +28,10 @@ HELP
 }
 
 out=runs/quickstart
+recipe=${RECIPE:-heading_gauss_newton}
+suite=${SUITE:-scripts/quickstart_suite.toml}
 minutes=2
-episodes=32
+episodes=64
 while [ $# -gt 0 ]; do
     case "$1" in
     -h | --help) usage && exit 0 ;;
@@ -38,10 +43,11 @@ done
 
 # The whole job; every flag of the verbs is here and nowhere else.
 job() {
-    step "Training for $minutes minutes" \
-        train --minutes "$minutes" --out "$out"
-    step "Evaluating on $episodes episodes" \
-        evaluate --policy "$out" --episodes "$episodes"
+    step "Training for $minutes minutes ($recipe)" \
+        train --recipe "$recipe" --minutes "$minutes" --out "$out"
+    step "Judging it beside pid and adaptive on $episodes voyages that it has never seen" \
+        benchmark --suite "$suite" --controllers "$out" pid adaptive --seeds "$episodes" \
+        --out "$out/benchmark"
     step "Recording one voyage" \
         record --policy "$out" --out "$out/rollout.rrd"
     step "Simulating a turning circle" \
@@ -72,6 +78,7 @@ done
 cat <<NEXT
 ==> Try next
       source $VENV/bin/activate
+      xdg-open $out/benchmark/report.html   # the page, in a browser
       rerun $out/rollout.rrd              # watch the voyage
       ship-gym train --help               # another ship, sea, algorithm, longer
       ship-gym simulate --help            # other manoeuvres

@@ -120,8 +120,8 @@ def locked(path: str | os.PathLike, doing: str) -> Iterator[None]:
             file.seek(0)
             holder = file.read(20).decode("ascii", "replace").strip() or "unknown"
             raise ConfigError(
-                f"{path.parent}: another process (pid {holder}) {doing}; wait for it, or give another "
-                "--out"
+                f"{path.parent}: another process (pid {holder}) {doing}; wait for it, or give "
+                "another --out"
             )
         file.truncate(0)
         file.write(f"{os.getpid()}\n".encode())

@@ -43,7 +43,7 @@ def hyperparameters(path):
 
 def ppo_file():
     pytest.importorskip("stable_baselines3")
-    from ship_gym_agents.sb3.config import _FOLDER
+    from ship_gym_agents.sb3.sections import _FOLDER
 
     return (_FOLDER / "ppo.toml").read_text(encoding="utf-8")
 

@@ -67,6 +67,9 @@ class Autopilot:
     own_model : bool
         Whether lent gains come without the linear model of the ship that lends them: filter, and
         with lqg the regulator, are those of the ship that sails, linearised.
+    filter_noise : float
+        Noise of the ship's own motion that the observer assumes, by that of the gains; 1 unless
+        set before `reset`. Below 1 more of the measured motion is taken for waves.
     followed : tuple
         Heading less ordered heading [rad], r', v' and rudder angle [rad] that the last `steer`
         led to: those of the reference model, without one the wanted heading and zeros.
@@ -80,6 +83,7 @@ class Autopilot:
         self.gains, self.name, self._source = gains, name or self.KIND, "of the ship"
         self.lent_by: Ship | None = None
         self.own_model = False
+        self.filter_noise = 1.0
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
         """Forget everything; `count` episodes of `scenario` with `ship` begin together.
@@ -99,6 +103,8 @@ class Autopilot:
         self._stroke = ship.gear.rate * scenario.control_interval / ship.time_unit
         self._watch = OrderWatch(self._step)
         chosen = g.wave_filter
+        if self.filter_noise != 1.0:
+            chosen = self._calmer(chosen)
         self._filter = _as_measured if chosen is None else chosen.start(count, self._step)
         self._reference = None
         if g.reference is not None:
@@ -187,6 +193,19 @@ class Autopilot:
             return gains
         self._source += f", on the linear model of {sailing.name}"
         return with_model_of(sailing, gains, self.name)
+
+    def _calmer(self, chosen: Any) -> Observer:
+        """The observer of the gains with `filter_noise` times the noise of the ship's motion."""
+        if not isinstance(chosen, Observer):
+            raise ConfigError(
+                f"filter_noise = {self.filter_noise}: controller {self.name} has no observer here; "
+                "allowed is 1"
+            )
+        return dataclasses.replace(
+            chosen,
+            sway_noise=self.filter_noise * chosen.sway_noise,
+            yaw_noise=self.filter_noise * chosen.yaw_noise,
+        )
 
     def _felt(self, seen: View, delta: np.ndarray) -> np.ndarray:
         """Rudder angle [rad] as the observer's ship would feel that achieved, shape (count,)."""

@@ -1,8 +1,9 @@
-"""PPO in one file on ``ShipTorchEnv``: sailing and learning on one device, CPU or graphics card.
+"""PPO in one file of plain torch, on the native vector environment of ``gym.make_vec``.
 
 In the manner of CleanRL: everything that matters stands here, to be read and changed. Proximal
 policy optimisation (Schulman et al. 2017) with a Gaussian policy whose standard deviation falls
-over the budget. Nothing leaves the device but what is printed.
+over the budget. With ``--device cuda`` the ships sail on the card too (``ShipTorchEnv``), and
+nothing leaves it but what is printed. What was learned sails beside the PID at the end.
 """
 
 from __future__ import annotations
@@ -11,18 +12,24 @@ import argparse
 import dataclasses
 import time
 from pathlib import Path
+from typing import Any
 
+import gymnasium as gym
+import numpy as np
 import torch
+from judging import in_words, judge
 from ship_gym_agents.cli.output import progress, run, show
 from torch import nn
 
 from ship_gym import ShipTorchEnv
-from ship_gym.config import check_number
+from ship_gym.config import check_known, check_number
+from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.provenance import atomic_path
 
 EXAMPLES = """examples:
-  python docs/examples/ppo_torch.py --iterations 200
-  python docs/examples/ppo_torch.py --device cuda --envs 16384 --out runs/card.pt --json"""
+  python docs/examples/ppo_torch.py --envs 128 --minibatch 4096 --iterations 300
+  python docs/examples/ppo_torch.py --device cuda --envs 16384 --minibatch 16384 --json"""
+ENV_ID = "ShipGym/HeadingKeeping-v0"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -30,7 +37,7 @@ class Settings:
     """Hyperparameters, those of ``ship-gym train`` for PPO."""
 
     horizon: int = 64  # intervals of a rollout
-    minibatch: int = 4096
+    minibatch: int = 1024  # fewer updates, so a larger one, where a card sails thousands
     epochs: int = 8
     learning_rate: float = 5e-4
     gamma: float = 0.99  # per control interval
@@ -72,6 +79,40 @@ def _network(n_in: int, hidden: int, n_out: int, gain: float) -> nn.Sequential:
     return nn.Sequential(layers[0], nn.Tanh(), layers[1], nn.Tanh(), layers[2])
 
 
+class VectorEnv:
+    """``gym.make_vec`` with tensors in the place of arrays, as `ShipTorchEnv` has them."""
+
+    def __init__(self, env_id: str, num_envs: int, **options: Any):
+        self.env = gym.make_vec(env_id, num_envs, autoreset_mode="SameStep", **options)
+        self.num_envs, self.device = num_envs, torch.device("cpu")
+        self.single_observation_space = self.env.single_observation_space
+        self.single_action_space = self.env.single_action_space
+
+    def reset(self, *, seed: int) -> tuple[torch.Tensor, dict]:
+        """Begin all episodes; environment i uses the stream seed + i."""
+        seen, _ = self.env.reset(seed=seed)
+        return torch.from_numpy(seen), {}
+
+    def step(self, actions: torch.Tensor):
+        """Sail one interval; ``final_obs`` counts where an episode has ended."""
+        seen, rewards, terminated, truncated, more = self.env.step(actions.numpy())
+        info = {}
+        if "final_obs" in more:
+            final = seen.copy()
+            for i in np.flatnonzero(more["_final_obs"]):
+                final[i] = more["final_obs"][i]
+            info["final_obs"] = torch.from_numpy(final)
+        return *map(torch.from_numpy, (seen, rewards, terminated, truncated)), info
+
+
+def make_env(device: str, env_id: str, envs: int, ship: str, episode: float):
+    """Ships in episodes of `episode` full-scale seconds, on a device."""
+    options = {"ship": ship, "overrides": {"duration": episode}}
+    if device == "cpu":
+        return VectorEnv(env_id, envs, **options)
+    return ShipTorchEnv(envs, device, scenario=ENVIRONMENTS[env_id], **options)
+
+
 @dataclasses.dataclass
 class Rollout:
     """What was sailed, tensors (horizon, envs, ...)."""
@@ -84,7 +125,7 @@ class Rollout:
     ended: torch.Tensor
 
     @classmethod
-    def empty(cls, env: ShipTorchEnv, horizon: int) -> Rollout:
+    def empty(cls, env: VectorEnv | ShipTorchEnv, horizon: int) -> Rollout:
         """Room for a rollout, on the device of the environments."""
 
         def room(*inner: int) -> torch.Tensor:
@@ -97,7 +138,7 @@ class Rollout:
 class Returns:
     """Returns of the episodes that have ended, summed on the device."""
 
-    def __init__(self, env: ShipTorchEnv):
+    def __init__(self, env: VectorEnv | ShipTorchEnv):
         self._running = torch.zeros(env.num_envs, device=env.device, dtype=torch.float64)
         self._sums: list[torch.Tensor] = []  # of each rollout: sum of the returns, and how many
         self.begin()
@@ -120,7 +161,7 @@ class Returns:
 
 @torch.no_grad()
 def sail(
-    env: ShipTorchEnv,
+    env: VectorEnv | ShipTorchEnv,
     agent: Agent,
     seen: torch.Tensor,
     kept: Rollout,
@@ -183,7 +224,9 @@ def learn(agent: Agent, optimiser, kept: Rollout, last_value: torch.Tensor, s: S
             optimiser.step()
 
 
-def train(env: ShipTorchEnv, iterations: int, seed: int, s: Settings) -> tuple[Agent, Returns]:
+def train(
+    env: VectorEnv | ShipTorchEnv, iterations: int, seed: int, s: Settings
+) -> tuple[Agent, Returns]:
     """Train an agent; with it the returns of its episodes."""
     torch.manual_seed(seed)
     kept = Rollout.empty(env, s.horizon)
@@ -216,11 +259,13 @@ def arguments() -> argparse.Namespace:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     p.add_argument("--device", default="cpu", help="cpu, cuda or cuda:1 (default cpu)")
-    p.add_argument("--envs", type=int, default=256, help="environments (default 256)")
-    p.add_argument("--iterations", type=int, default=200, help="rollouts (default 200)")
-    p.add_argument("--scenario", default="heading_keeping", help="default heading_keeping")
+    p.add_argument("--env", default=ENV_ID, help=f"its id for gym.make_vec (default {ENV_ID})")
+    p.add_argument("--envs", type=int, default=64, help="environments (default 64)")
+    p.add_argument("--iterations", type=int, default=40, help="rollouts (default 40)")
+    p.add_argument("--minibatch", type=int, default=1024, help="samples (default 1024)")
     p.add_argument("--ship", default="kcs", help="default kcs")
     p.add_argument("--episode", type=float, default=200.0, help="full-scale s (default 200)")
+    p.add_argument("--judge", type=int, default=16, help="evaluation episodes (default 16)")
     p.add_argument("--seed", type=int, default=0)
     p.add_argument("--out", type=Path, default=Path("runs/ppo_torch.pt"), help="weights")
     p.add_argument("--json", action="store_true", help="print the result as JSON on stdout")
@@ -228,19 +273,19 @@ def arguments() -> argparse.Namespace:
 
 
 def main() -> None:
-    """Train, save the weights, say how it went."""
+    """Train, save the weights, say how it went beside a classical autopilot."""
     a = arguments()
     check_number("iterations", a.iterations, 1, 10**7)
-    env = ShipTorchEnv(
-        a.envs, a.device, a.ship, scenario=a.scenario, overrides={"duration": a.episode}
-    )
-    settings, started = Settings(), time.perf_counter()
+    check_known("env", a.env, ENVIRONMENTS)
+    env = make_env(a.device, a.env, a.envs, a.ship, a.episode)
+    settings, started = Settings(minibatch=a.minibatch), time.perf_counter()
     agent, returns = train(env, a.iterations, a.seed, settings)
     seconds = time.perf_counter() - started
     with atomic_path(a.out) as path:
         torch.save(agent.state_dict(), path)
+    judged = judge(agent.cpu().actor, "ppo", a.judge, scenario=ENVIRONMENTS[a.env], ship=a.ship)
     tenth = max(a.iterations // 10, 1)
-    first, last = returns.mean(slice(None, tenth + 1)), returns.mean(slice(-tenth, None))
+    first, last = returns.mean(slice(None, 2 * tenth + 1)), returns.mean(slice(-tenth, None))
     samples = a.iterations * settings.horizon * a.envs
     result = {
         "device": str(env.device),
@@ -249,12 +294,13 @@ def main() -> None:
         "samples_per_second": round(samples / seconds),
         "return_first": first,
         "return_last": last,
+        "judged": judged,
         "out": str(a.out),
     }
     text = (
         f"{samples} samples in {seconds:.1f} s on {env.device} ({samples / seconds:.0f} a second); "
-        f"mean return {number(first)} in the first tenth, {number(last)} in the last\n"
-        f"wrote {a.out}"
+        f"mean return {number(first)} at the start, {number(last)} at the end\n"
+        f"{in_words(judged, 'ppo')}\nwrote {a.out}"
     )
     show(a.json, result, text)
 

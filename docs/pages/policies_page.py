@@ -8,7 +8,7 @@ from typing import Any
 
 from ship_gym_agents import make_controller
 
-from pages.judgement import Sailor
+from pages.judgement import FAILURES, Sailor
 from ship_gym.evaluation import metrics_of, rollout
 from ship_gym.plotting.benchmark import styles
 from ship_gym.plotting.benchmark_episode import plot_episode
@@ -24,9 +24,11 @@ Each policy is the median of its training seeds by the validation score; its car
 command that made it, is in its file: `ship-gym evaluate --policy NAME`. They were judged on
 {n} episodes of the split `{split}` (seeds from {first}), which nothing else uses, with claims that
 were written down before: `scripts/policy_claims.toml`. The opponent is the classical controller
-that was best on other seeds. Differences are paired, seed by seed; p-values are those of the
-sign-flip test, corrected by Holm over the {tests} tests of this page. A claim that does not hold
-stands here like one that does.
+that was best on other seeds. Differences are paired, seed by seed: interquartile means of them,
+which a few lost episodes do not decide, and beside them the differences of the means. p-values are
+those of the sign-flip test, corrected by Holm over the {tests} tests of this page. A policy that
+fails in more than {failures} episode more than its opponent does not hold its claim either. A claim
+that does not hold stands here like one that does.
 """
 _SHOWN = ("success", "rudder_travel", "rudder_reversals")
 
@@ -34,7 +36,9 @@ _SHOWN = ("success", "rudder_travel", "rudder_reversals")
 def write_page(judged: Sequence[Mapping[str, Any]], sailor: Sailor, split: str, path: Path):
     """Write the page and its pictures; the files written."""
     tests = sum(len(claim["tests"]) for claim in judged)
-    head = _HEAD.format(n=len(sailor.seeds), split=split, first=sailor.seeds.start, tests=tests)
+    head = _HEAD.format(
+        n=len(sailor.seeds), split=split, first=sailor.seeds.start, tests=tests, failures=FAILURES
+    )
     parts, files = [head, _summary(judged)], []
     folder = path.with_suffix("")
     folder.mkdir(parents=True, exist_ok=True)
@@ -73,6 +77,9 @@ def _section(claim: Mapping[str, Any], pictures: Sequence[str]) -> str:
         f"`{claim['policy']}` in `{claim['scenario']}` with {claim['ship']}; interquartile means "
         "with 95 % intervals:",
         _levels(claim["levels"], names, units, claim["score"]),
+        "Failed episodes: "
+        + ", ".join(f"`{name}` {n}" for name, n in claim["failures"].items())
+        + ".",
         "Paired differences, policy minus opponent:",
         _tests(claim["tests"], units),
     ]
@@ -106,15 +113,29 @@ def _tests(tests: Sequence[Mapping[str, Any]], units) -> str:
             f"{test['measure']} [{units[test['measure']].unit}]",
             f"`{test['opponent']}`",
             asked[test["kind"]] + (f" {test['limit']:.3g}" if test["kind"] == "within" else ""),
-            f"{test['value']:+.3g} [{test['low']:+.3g}, {test['high']:+.3g}]",
+            _difference(test),
+            _difference(test["mean"]),
             f"{100.0 * test['value'] / test['theirs']:+.1f} %" if test["theirs"] else "-",
             f"{test['p_holm']:.3f}",
             "holds" if test["holds"] else "**does not hold**",
         ]
         for test in tests
     ]
-    header = ["measure", "against", "asked", "difference", "relative", "p (Holm)", "verdict"]
+    header = [
+        "measure",
+        "against",
+        "asked",
+        "difference",
+        "of the means",
+        "relative",
+        "p (Holm)",
+        "verdict",
+    ]
     return table(header, rows, markdown=True)
+
+
+def _difference(found: Mapping[str, float]) -> str:
+    return f"{found['value']:+.3g} [{found['low']:+.3g}, {found['high']:+.3g}]"
 
 
 def _cell(found: Mapping[str, float | None] | None) -> str:

@@ -1,7 +1,8 @@
-"""Who sails the units of a benchmark: this process, others of this machine, or a Ray cluster.
+"""Who does the parts of a large work: this process, others of this machine, or a Ray cluster.
 
-All three call ``unit.sail``, so that their rows are the same. Each yields (number, `Sailed`) in the
-order in which units are finished; closing the iterator ends what is still under way.
+The work is that of a benchmark, whose units are sailed, unless another is given. All three call the
+same function, so that what they find is the same. Each yields (number, result) in the order in
+which parts are finished; closing the iterator ends what is still under way.
 """
 
 from __future__ import annotations
@@ -15,70 +16,93 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from typing import Any
+from typing import Any, NamedTuple
 
-from ship_gym.config import ConfigError
-from ship_gym.evaluation.unit import Sailed, Unit, lost, sail
+from ship_gym.config import ConfigError, check_known
+from ship_gym.evaluation.unit import lost, sail
 from ship_gym.provenance import git_commit, versions
 
 ENGINES = ("local", "ray")
 _DIED = "the process of the controller ended"
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
-Found = Iterator[tuple[int, Sailed]]
+Units = Mapping[int, Any]
+Found = Iterator[tuple[int, Any]]
 
 
-def engine_of(name: str, jobs: int, address: str | None) -> Callable[[Mapping[int, Unit]], Found]:
-    """The engine of a name, ready to sail units by their numbers.
+class Work(NamedTuple):
+    """What is done with each unit; both functions and all units are sent to other processes.
+
+    Attributes
+    ----------
+    do : callable
+        Result of a unit.
+    lost : callable
+        Result of a unit whose process ended, from the unit and a text that says so.
+    """
+
+    do: Callable[[Any], Any]
+    lost: Callable[[Any, str], Any]
+
+
+SAILING = Work(sail, lost)
+
+
+def engine_of(
+    name: str, jobs: int, address: str | None, work: Work = SAILING
+) -> Callable[[Units], Found]:
+    """The engine of a name, ready to do units by their numbers.
 
     Raises
     ------
     ConfigError
-        An address without Ray.
+        An unknown engine, or an address without Ray.
     ImportError
         Ray is asked for and not installed; says how to install it.
     """
-    if name == "ray":
+    if check_known("engine", name, ENGINES) == "ray":
         ray = _ray()
-        return lambda units: on_ray(ray, units, jobs, address)
+        return lambda units: on_ray(ray, units, jobs, address, work)
     if address is not None:
         raise ConfigError(f"address = {address!r}: only the engine 'ray' has one")
-    return in_this_process if jobs == 1 else lambda units: in_processes(units, jobs)
+    if jobs == 1:
+        return lambda units: in_this_process(units, work)
+    return lambda units: in_processes(units, jobs, work)
 
 
-def in_this_process(units: Mapping[int, Unit]) -> Found:
-    """Sail units one after the other here."""
+def in_this_process(units: Units, work: Work = SAILING) -> Found:
+    """Do units one after the other here."""
     for number, unit in units.items():
-        yield number, sail(unit)
+        yield number, work.do(unit)
 
 
-def in_processes(units: Mapping[int, Unit], jobs: int) -> Found:
-    """Sail units in processes of this machine, each with one thread.
+def in_processes(units: Units, jobs: int, work: Work = SAILING) -> Found:
+    """Do units in processes of this machine, each with one thread.
 
-    A controller may end its process. The units that were under way then are sailed again, each in
-    a process of its own; the one that ends that too is lost.
+    A controller may end its process. The units that were under way then are done again, each in a
+    process of its own; the one that ends that too is lost.
     """
     waiting = dict(units)
     while waiting:
         under_way: dict[Future, int] = {}
         try:
-            for number, sailed in _pooled(dict(waiting), jobs, under_way):
+            for number, sailed in _pooled(dict(waiting), jobs, under_way, work):
                 del waiting[number]
                 yield number, sailed
         except BrokenProcessPool:
             for number in under_way.values():
-                yield number, _alone(waiting.pop(number))
+                yield number, _alone(waiting.pop(number), work)
 
 
-def _alone(unit: Unit) -> Sailed:
+def _alone(unit: Any, work: Work) -> Any:
     try:
-        return next(_pooled({0: unit}, 1, {}))[1]
+        return next(_pooled({0: unit}, 1, {}, work))[1]
     except BrokenProcessPool:
-        return lost(unit, _DIED)
+        return work.lost(unit, _DIED)
 
 
-def _pooled(units: Mapping[int, Unit], jobs: int, under_way: dict[Future, int]) -> Found:
-    """Sail units in a pool; `under_way` holds those that are, no more than the pool can take."""
+def _pooled(units: Units, jobs: int, under_way: dict[Future, int], work: Work) -> Found:
+    """Do units in a pool; `under_way` holds those that are, no more than the pool can take."""
     context, before = multiprocessing.get_context("spawn"), set(multiprocessing.active_children())
     with _environment(_ONE_THREAD):
         pool = ProcessPoolExecutor(min(jobs, len(units)), context, _begin_worker)
@@ -86,12 +110,12 @@ def _pooled(units: Mapping[int, Unit], jobs: int, under_way: dict[Future, int]) 
         try:
             while True:
                 while len(under_way) < jobs and (item := next(todo, None)) is not None:
-                    under_way[pool.submit(sail, item[1])] = item[0]
+                    under_way[pool.submit(work.do, item[1])] = item[0]
                 if not under_way:
                     return
                 for future in wait(under_way, return_when=FIRST_COMPLETED).done:
-                    sailed = future.result()
-                    yield under_way.pop(future), sailed
+                    result = future.result()
+                    yield under_way.pop(future), result
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
             for process in set(multiprocessing.active_children()) - before:
@@ -133,8 +157,8 @@ def _ray() -> Any:
     return ray
 
 
-def on_ray(ray: Any, units: Mapping[int, Unit], jobs: int, address: str | None) -> Found:
-    """Sail units as Ray tasks: on the cluster at `address`, or on `jobs` workers of this machine.
+def on_ray(ray: Any, units: Units, jobs: int, address: str | None, work: Work = SAILING) -> Found:
+    """Do units as Ray tasks: on the cluster at `address`, or on `jobs` workers of this machine.
 
     Raises
     ------
@@ -144,17 +168,17 @@ def on_ray(ray: Any, units: Mapping[int, Unit], jobs: int, address: str | None) 
     started = not ray.is_initialized()
     if started:
         _start(ray, jobs, address)
-    remote = ray.remote(num_cpus=1)(_sail_there)
+    remote = ray.remote(num_cpus=1)(_do_there)
     todo, under_way = iter(units.items()), {}
     try:
         while True:
             while len(under_way) < 2 * jobs and (item := next(todo, None)) is not None:
-                under_way[remote.remote(item[1], code())] = item
+                under_way[remote.remote(work.do, item[1], code())] = item
             if not under_way:
                 return
             for reference in ray.wait(list(under_way))[0]:
                 number, unit = under_way.pop(reference)
-                yield number, _answer(ray, reference, unit)
+                yield number, _answer(ray, reference, unit, work)
     finally:
         for reference in under_way:
             ray.cancel(reference, force=True)
@@ -170,26 +194,26 @@ def _start(ray: Any, jobs: int, address: str | None) -> None:
         raise ConfigError(f"--address {address}: no Ray cluster answers there: {error}") from None
 
 
-def _answer(ray: Any, reference: Any, unit: Unit) -> Sailed:
+def _answer(ray: Any, reference: Any, unit: Any, work: Work) -> Any:
     """What a task gave; a unit that ends its worker again and again is lost."""
     try:
         answer = ray.get(reference)
     except ray.exceptions.WorkerCrashedError:
-        return lost(unit, _DIED)
+        return work.lost(unit, _DIED)
     if isinstance(answer, ConfigError):
         raise answer
     return answer
 
 
-def _sail_there(unit: Unit, expected: tuple[str, str]) -> Sailed | ConfigError:
-    """Sail a unit on a machine of the cluster; an error that a user can mend is given back."""
+def _do_there(do: Callable[[Any], Any], unit: Any, expected: tuple[str, str]) -> Any:
+    """Do a unit on a machine of the cluster; an error that a user can mend is given back."""
     if code() != expected:
         return ConfigError(
             f"a machine of the cluster runs ship-gym {' '.join(code())}, this one "
             f"{' '.join(expected)}: install the same on both"
         )
     try:
-        return sail(unit)
+        return do(unit)
     except ConfigError as error:
         return error
 

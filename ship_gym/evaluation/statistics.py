@@ -157,7 +157,11 @@ def rate(values: Sequence[float] | np.ndarray) -> Estimate:
     return Estimate(float(values.mean()), float(interval.low), float(interval.high))
 
 
-def paired(values: Sequence[float] | np.ndarray, other: Sequence[float] | np.ndarray) -> Paired:
+def paired(
+    values: Sequence[float] | np.ndarray,
+    other: Sequence[float] | np.ndarray,
+    statistic: Callable = np.mean,
+) -> Paired:
     """Mean of values - other, episode by episode, with its interval and a p-value.
 
     The p-value is that of the sign-flip permutation test: were the two alike, each episode's
@@ -168,16 +172,19 @@ def paired(values: Sequence[float] | np.ndarray, other: Sequence[float] | np.nda
     ----------
     values, other : array_like
         Of the same episodes in the same order, shape (n,).
+    statistic : callable
+        ``numpy.mean``, or `interquartile_mean` of the differences, which a few episodes that went
+        wrong do not decide.
     """
     values, other = _finite("values", values), _finite("other", other)
     if values.shape != other.shape:
         raise ConfigError(f"{len(values)} values and {len(other)} others: no paired difference")
-    found = estimate(values - other, np.mean)
+    found = estimate(values - other, statistic)
     if len(values) < 2:
         return Paired(found.value, None, None, 1.0)
     test = stats.permutation_test(
         (values - other,),
-        np.mean,
+        statistic,
         permutation_type="samples",
         n_resamples=FLIPS,
         vectorized=True,

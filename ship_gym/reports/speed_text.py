@@ -6,6 +6,11 @@ from typing import Any
 
 from ship_gym.text import table
 
+_ONE_STEP = (
+    "One step is one control interval (1 s at full scale) of one ship. Of one core: processor "
+    "time;\nof threads: wall time; best of several repeats, spread the slowest above it."
+)
+
 
 def as_text(data: dict[str, Any]) -> str:
     """All tables.
@@ -19,12 +24,7 @@ def as_text(data: dict[str, Any]) -> str:
     host = data["machine"]
     parts = [
         f"{host['processor']}, {host['cores']} cores, Python {host['versions']['python']}",
-        "",
-        "One step is one control interval (1 s at full scale) of one ship. Of one core: processor "
-        "time;\nof threads: wall time; best of several repeats, spread the slowest above it.",
-        "",
-        _steps(data["steps"]),
-        "",
+        *(["", _ONE_STEP, "", _steps(data["steps"]), ""] if data["steps"] else []),
         *_by_n("Processor time of one step [us] against the number of ships", data["growth"]),
         *_by_n("Processor time of one step [us] against the number of waves", data["waves"]),
         *(
@@ -104,9 +104,18 @@ def _training(found: dict[str, Any]) -> list[str]:
         return []
     if "reason" in found:
         return ["", f"Training: {found['reason']}"]
-    return [
-        "",
-        f"Training, {found['algorithm']}, {found['envs']} environments, {found['threads']} torch "
-        f"threads: {found['samples_per_second']:,.0f} samples/s (wall time, "
-        f"{found['samples']:,} samples; {found['learning_percent']:.0f} % of it is learning)",
-    ]
+    how = "side by side" if found["side_by_side"] else "one after the other"
+    text = (
+        f"Training, {found['algorithm']}, {found['envs']} environments, {found['epochs']} epochs, "
+        f"{found['threads']} torch threads, {found['cores']} cores, load {found['load'] or 0:.1f}: "
+        f"{found['samples_per_second']:,.0f} samples/s (wall time, {found['samples']:,} samples; "
+        f"sailing takes {found['sailing_percent']:.0f} % of it and learning "
+        f"{found['learning_percent']:.0f} %, {how})"
+    )
+    if plain := found["plain"]:
+        text += (
+            f"\nStable-baselines3's PPO on DummyVecEnv, same task, network and batch: "
+            f"{plain['samples_per_second']:,.0f} samples/s ({plain['samples']:,} samples, learning "
+            f"{plain['learning_percent']:.0f} %); ours is {plain['ratio']:.1f} times as fast"
+        )
+    return ["", text]

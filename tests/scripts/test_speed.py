@@ -69,11 +69,30 @@ def test_json_picture_and_page(call, timeless):
     assert data["training"] == {} and data["machine"]["cores"] >= 1
 
 
+def test_training_alone(call, monkeypatch):
+    throughput = pytest.importorskip("ship_gym_agents.sb3.throughput")
+    plain = {"samples": 10, "samples_per_second": 1000.0, "learning_percent": 20.0, "ratio": 7.5}
+    found = {
+        "algorithm": "ppo", "envs": 256, "threads": 1, "cores": 2, "epochs": 8, "samples": 100,
+        "samples_per_second": 7500.0, "sailing_percent": 50.0, "learning_percent": 90.0,
+        "side_by_side": True, "load": None, "plain": plain,
+    }  # fmt: skip
+    monkeypatch.setattr(throughput, "throughput", lambda *_, **__: found)
+    code, out, _ = call("benchmark_speed.py", "--training")
+    assert code == 0
+    for words in ("7,500 samples/s", "learning 90 %, side by side", "1,000", "7.5 times as fast"):
+        assert words in out, words
+    assert "physics" not in out
+    code, out, _ = call("benchmark_speed.py", "--training", "--json")
+    assert json.loads(out)["training"]["plain"]["ratio"] == 7.5
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (("--quick", "--full"), ("--quick", "--full")),
         (("--only", "calm"), ("--only", "--against")),
+        (("--training", "--quick"), ("--training", "--quick")),
         (("--against", "nowhere"), ("--against nowhere", "ship_gym/__init__.py")),
         (("--page", "none.md", "--quick"), ("none.md", "marks")),
         (("--ship", "kcz", "--quick"), ("kcz", "kcs")),

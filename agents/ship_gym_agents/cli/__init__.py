@@ -30,6 +30,7 @@ VERBS = {
     "trials": "Sail every trial of every ship and compare, with the scatter of the facilities.",
     "linearise": "Linearise a ship on a straight course: derivatives, Nomoto's K and T, stability.",
     "tune": "Tune controllers for ships on seeds kept for tuning; say what it gained.",
+    "tune-agent": "Search for hyperparameters of training with Optuna; write best.toml for train.",
     "fit-surrogate": "Fit a propeller and rudder surrogate to CFD points.",
     "draw": "Draw what papers draw of surrogates and of the forces in a turn.",
     "build-wave-table": "Compute a ship's wave table by boundary elements.",

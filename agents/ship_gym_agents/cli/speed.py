@@ -26,20 +26,21 @@ _DEPTH: dict[str, dict[str, Any]] = {
         "tables": {},
         "overhead": (4096, 10),
         "memory": 4096,
-        "rollouts": 3,
+        "rollouts": 10,
     },
     "full": {
         "best": (7, 0.4),
         "tables": {},
         "overhead": (4096, 30),
         "memory": 16384,
-        "rollouts": 12,
+        "rollouts": 40,
     },
 }
 
 
 @verb(
     "            # some two minutes",
+    "--training  # only training, beside stable-baselines3's own way",
     "--quick     # seconds; less steady, without training and start",
     "--full --plot docs/speed.png --page docs/speed.md",
     "--ship my_ship.toml --scenario heading_calm --quick",
@@ -49,6 +50,7 @@ _DEPTH: dict[str, dict[str, Any]] = {
 @environment("heading_keeping, kcs, rudder")
 @click.option("--quick", is_flag=True, help="Short repeats, few sizes, no training, no start.")
 @click.option("--full", is_flag=True, help="Long repeats, and compilation from nothing.")
+@click.option("--training", is_flag=True, help="Only training; some 20 seconds.")
 @out(".png", "Draw growth and peers into this file.", "--plot")
 @out(".md", "Write the tables between the marks of this page.", "--page")
 @click.option(
@@ -58,12 +60,16 @@ _DEPTH: dict[str, dict[str, Any]] = {
 )
 @click.option("--n", type=whole(1, 10**6), default=4096, help="Ships, with --against.")
 @click.option("--only", cls=Several, help="Of what --against measures, such as calm or memory.")
-def command(as_json, quick, full, plot, page, against, n, only, task, **options) -> None:
-    """Measure how fast physics and environments step, beside CartPole and peers."""
+def command(as_json, quick, full, training, plot, page, against, n, only, task, **options) -> None:
+    """Measure how fast physics and environments step, beside CartPole and peers, and training."""
     from ship_gym_agents.cli.output import need, show
 
     if quick and full:
         raise click.UsageError("--quick and --full: give one of them")
+    if training and (quick or page or plot or against):
+        raise click.UsageError(
+            "--training goes with none of --quick, --page, --plot and --against: leave it out"
+        )
     if against is not None:
         compare(as_json, quick, against, n, options["ship"] or "kcs", only)
         return
@@ -76,7 +82,7 @@ def command(as_json, quick, full, plot, page, against, n, only, task, **options)
 
     if page is not None:
         speed.parts_of_page(page)  # refuses before the work
-    data = measured("quick" if quick else "full" if full else "default", task, options)
+    data = measured("quick" if quick else "full" if full else "default", task, options, training)
     text = as_text(data)
     if page is not None:
         speed.write_into(page, text)
@@ -89,8 +95,10 @@ def command(as_json, quick, full, plot, page, against, n, only, task, **options)
     show(as_json, {**data, "files": files}, text + ("\n" if wrote else "") + wrote)
 
 
-def measured(depth: str, task: str | None, options: dict[str, Any]) -> dict[str, Any]:
-    """Everything, as ``reports.speed_text.as_text`` takes it."""
+def measured(
+    depth: str, task: str | None, options: dict[str, Any], training: bool = False
+) -> dict[str, Any]:
+    """Everything, or training alone, as ``reports.speed_text.as_text`` takes it."""
     from ship_gym.reports import speed, speed_against, speed_peers
     from ship_gym_agents.cli.output import progress
     from ship_gym_agents.cli.sailing import own_task, resolved, wanted
@@ -99,6 +107,10 @@ def measured(depth: str, task: str | None, options: dict[str, Any]) -> dict[str,
     name = own_task(task)
     env = wanted(options, name)
     resolved(env, name)
+    if training:
+        nothing = ("steps", "growth", "waves", "overhead", "memory", "peers", "start")
+        found = _training(how["rollouts"], env)
+        return {"machine": speed.machine(), **dict.fromkeys(nothing, ()), "training": found}
     jobs = list(speed.jobs(**how["tables"], **env))
     rows = [speed.measure(job, *how["best"]) for job in progress(jobs, "measuring")]
     by_table = {t: [r for r in rows if r["table"] == t] for t in ("steps", "growth", "waves")}
@@ -124,9 +136,10 @@ def _training(rollouts: int, env: dict[str, Any]) -> dict[str, Any]:
     missing = [x for x in ("torch", "stable_baselines3") if find_spec(x) is None]
     if missing:
         return {"reason": f'{missing[0]} is not installed: pip install "ship-gym[rl]"'}
+    from ship_gym_agents.cli.output import progress
     from ship_gym_agents.sb3.throughput import throughput
 
-    return throughput(rollouts, **env)
+    return throughput(rollouts, progress=progress, **env)
 
 
 def compare(

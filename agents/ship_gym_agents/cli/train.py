@@ -109,7 +109,7 @@ def _config(out: Path, resume: bool, task: str | None, options: dict[str, Any]):
     from ship_gym_agents.training.run_folder import TrainingFolder
 
     name = own_task(task)
-    given = _sorted(options)
+    given = sorted_options(options)
     card = TrainingFolder(out).card() if resume else None
     if card is not None:
         config = _same(config_for(out, True, {}), given, out)
@@ -122,7 +122,7 @@ def _config(out: Path, resume: bool, task: str | None, options: dict[str, Any]):
     return config, card
 
 
-def _sorted(options: dict[str, Any]) -> dict[str, Any]:
+def sorted_options(options: dict[str, Any]) -> dict[str, Any]:
     """What was given, keys of hyperparameters apart from those of the scenario."""
     from ship_gym_agents.sb3.sections import SECTIONS
 

@@ -11,6 +11,7 @@ block           needs                features
 ``soft``        base                 filtered heading and yaw rate that saturate early
 ``sea``         base                 slow means and the wave-frequency motion left by the filter
 ``route``       base, a track        place beside and along the route, next turn
+``turn``        base, a track        place beside an arc into the next leg, its bearings ahead
 ``drift``       base drift_los       drift along and across the leg
 ``speed``                            speed through the water, propeller
 ``effect``                           effect of the rudder at this speed and propeller
@@ -29,7 +30,7 @@ from __future__ import annotations
 from ship_gym.config import ConfigError
 from ship_gym_agents.forms.block import Block
 from ship_gym_agents.forms.motion_blocks import Observation, Observer, Reference, Sea, Soft
-from ship_gym_agents.forms.route_blocks import Drift, Route, Voyage
+from ship_gym_agents.forms.route_blocks import Drift, Route, Turn, Voyage
 from ship_gym_agents.forms.ship_blocks import Effect, Ship, Speed
 
 PRODUCTS = "products"  # name of the block that is made from the others
@@ -42,6 +43,7 @@ BLOCKS: dict[str, type[Block]] = {
         Soft,
         Sea,
         Route,
+        Turn,
         Drift,
         Voyage,
         Speed,
@@ -58,7 +60,7 @@ _PAIRS: dict[str, tuple[str, ...]] = {
     "sea.coupling": _BIASES,
     "sea.quickness": _BIASES,
     "sea.long_surge": _BIASES,
-    "speed.surge": _MOTION,
+    "speed.surge": (*_MOTION, "turn.cross_arc", "turn.bearing_ahead"),
     "speed.propeller": ("observer.psi", "observer.bias"),
     "effect.effect": _MOTION,
     # only one constant of the ship: with few ships more could not be told from each other

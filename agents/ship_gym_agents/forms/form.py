@@ -40,6 +40,9 @@ class Form:
         Decisions ago whose features are appended.
     symmetric : bool
         Whether the network shall answer mirrored features with the mirrored decision.
+    filter_noise : float
+        Noise of the ship's own sway and yaw that the observer of `base` assumes, by that of its
+        gains; below 1 it takes more of the motion for waves, and the base moves the rudder less.
     """
 
     action: str = "direct"
@@ -50,12 +53,14 @@ class Form:
     features: tuple[str, ...] = ("observation",)
     lags: tuple[int, ...] = ()
     symmetric: bool = False
+    filter_noise: float = 1.0
 
     def __post_init__(self):
         check_known("form.action", self.action, ACTIONS)
         largest = ACTIONS[self.action].largest
         ranges = {"scale": (0.0, largest, "-"), "scale_rpm": (0.0, 2.0, "-")}
         check_fields("form", self, ranges | {"every": (1, _MOST_EVERY, "intervals")})
+        check_fields("form", self, {"filter_noise": (0.01, 100.0, "-")})
         if self.scale == 0.0:
             raise ConfigError("form.scale = 0: a decision would do nothing; allowed is above 0")
         if self.action == "direct" and (self.scale, self.scale_rpm) != (1.0, 0.0):
@@ -87,6 +92,10 @@ class Form:
             raise ConfigError(
                 f"form.base is empty: action = {self.action!r} needs a classical controller, such "
                 "as base = 'pid'"
+            )
+        if self.filter_noise != 1.0:
+            raise ConfigError(
+                f"form.filter_noise = {self.filter_noise} without form.base: allowed is 1"
             )
         for name in self.features:
             if name in BLOCKS and BLOCKS[name].on_base:

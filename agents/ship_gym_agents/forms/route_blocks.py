@@ -8,11 +8,16 @@ from typing import ClassVar
 import numpy as np
 
 from ship_gym.config import ConfigError
+from ship_gym_agents.autopilot import wrapped
 from ship_gym_agents.drift_los import DriftLOS
 from ship_gym_agents.forms.block import Block
 from ship_gym_agents.forms.look import Look, Sailing
 from ship_gym_agents.fresh import zeroed
+from ship_gym_agents.route_preview import Path
 from ship_gym_agents.speed_keeping import check_one_leg
+
+_RADIUS = 2.5  # of the arc of `Turn` [L], that of a moderate turn
+_AHEAD = np.array([0.5, 2.0])  # where it looks [L]
 
 
 class Route(Block):
@@ -54,6 +59,43 @@ class Route(Block):
             turn * near * np.clip(to_go, -1.0, 4.0),
             2.0 * np.abs(turn) * near,
             np.sin(look.perceived.motion[0]) * near,
+        )
+
+
+class Turn(Block):
+    """The way into the next leg: place beside an arc into it, and its bearings ahead.
+
+    The arc has a radius of `_RADIUS`. Bearings are less the filtered heading [rad].
+    """
+
+    FEATURES: ClassVar = {
+        "cross_arc": -1.0,
+        "soft_cross_arc": -1.0,
+        "bearing": -1.0,
+        "bearing_ahead": -1.0,
+        "at": -1.0,
+        "size_at": -1.0,
+        "cross_next": -1.0,
+    }
+    needs = ("cross_track", "to_go", "next_turn")
+    on_base = True
+
+    def values(self, look: Look) -> tuple:
+        """See `Block`."""
+        seen, psi = look.seen, look.perceived.motion[0]
+        path = Path(seen, _RADIUS)
+        now, ahead = path.bearings(_AHEAD[None, :]).T
+        e, to_go, turn = seen.cross_track, seen.to_go, seen.next_turn * math.pi
+        at = turn * np.exp(-np.clip(to_go, 0.0, 12.0) / 1.2)
+        across_next = to_go * np.sin(turn) + e * np.cos(turn)
+        return (
+            path.error,
+            np.tanh(4.0 * path.error),
+            2.0 * wrapped(psi - now),
+            2.0 * wrapped(psi - ahead),
+            2.0 * at,
+            2.0 * np.abs(turn) * at,
+            np.tanh(across_next),
         )
 
 

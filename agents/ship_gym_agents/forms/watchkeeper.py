@@ -32,7 +32,7 @@ class Watchkeeper:
 
     def __init__(self, form: Form, count: int, ship: Ship, scenario: Scenario):
         self._columns = observation_columns(scenario)
-        base = _base(form.base, count, ship, scenario)
+        base = _base(form, count, ship, scenario)
         step = scenario.control_interval / ship.time_unit * ship.speed / ship.hull.L
         sailing = Sailing(form, count, ship, scenario, base, step)
         self._base, self._steers_last = base, form.action == "guidance"
@@ -121,15 +121,17 @@ class Watchkeeper:
         return action
 
 
-def _base(name: str, count: int, ship: Ship, scenario: Scenario) -> Autopilot | None:
+def _base(form: Form, count: int, ship: Ship, scenario: Scenario) -> Autopilot | None:
     """The classical controller of a form, reset; a ConfigError if it cannot be one."""
-    if not name:
+    if not form.base:
         return None
-    base = make_controller(name)
+    base = make_controller(form.base)
     if not (isinstance(base, Autopilot) and callable(base.restart)):
         raise ConfigError(
-            f"form.base = {name!r}: allowed are autopilots that can begin one episode while others "
-            "go on: pid, lqg, adaptive, bang_bang; on tracks los_pid, ilos, drift_los, just_in_time"
+            f"form.base = {form.base!r}: allowed are autopilots that can begin one episode while "
+            "others go on: pid, lqg, adaptive, bang_bang; on tracks los_pid, ilos, drift_los, "
+            "just_in_time"
         )
+    base.filter_noise = form.filter_noise
     base.reset(count, ship, scenario)
     return base

@@ -27,7 +27,7 @@ from ship_gym_agents.sb3.sections import Hyperparameters
 
 __all__ = ["ALGORITHMS", "export", "load_checkpoint", "make_model", "save_checkpoint"]
 
-_TORCH_ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU}
+TORCH_ACTIVATIONS = {"tanh": torch.nn.Tanh, "relu": torch.nn.ReLU}
 _SEEN_BEFORE = 1e5  # samples that the normaliser of a policy to begin with counts as
 
 
@@ -147,7 +147,7 @@ def make_model(
 
 def _network(algorithm: str, env: VecNormalize, hyper: Hyperparameters) -> dict[str, Any]:
     """Arguments of the policy of stable-baselines3."""
-    found: dict[str, Any] = {"activation_fn": _TORCH_ACTIVATIONS[hyper.network.activation]}
+    found: dict[str, Any] = {"activation_fn": TORCH_ACTIVATIONS[hyper.network.activation]}
     hidden, critic = list(hyper.network.hidden), ALGORITHMS[algorithm].critic
     if not critic:
         return {**found, "net_arch": hidden}

@@ -13,6 +13,7 @@ from ship_gym.envs.env import resolved_scenario
 from ship_gym.evaluation.metrics import metrics_of
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
+from ship_gym_agents.forms.helm import Helm
 from ship_gym_agents.sb3.options import OPTIONS
 from ship_gym_agents.sb3.sections import (
     SECTIONS,
@@ -103,17 +104,27 @@ def run_config(
             "privileged = true: a policy never sees sea and forces; its critic does in training "
             "with training.critic = 'privileged'"
         )
-    load_ship(resolved.ship, surrogate=resolved.surrogate)  # refuses an unknown one now
-    metrics_of(resolved.task)  # and a task that no validation can judge
+    metrics_of(resolved.task)  # refuses a task that no validation can judge
     source = {key: plan[key] for key in SECTIONS if key in plan}
     if name != own:
         source.pop("algorithm", None)
     source = merged(source, partial(hyperparameters))
-    hyper = load_hyperparameters(name, source, envs, task=resolved.task, settings=settings)
+    files = [str(Path(f).name) for f in (recipe, hyperparameters) if isinstance(f, str | Path)]
+    hyper = load_hyperparameters(
+        name, source, envs, task=resolved.task, settings=settings, where=", ".join(files)
+    )
+    _check_sailing(resolved, hyper)
     seed = plan.get("seed", 0)
     if seed < 0:
         raise ConfigError(f"seed = {seed}: must not be negative")
     return RunConfig(name, resolved, seed, hyper)
+
+
+def _check_sailing(scenario: Scenario, hyper: Hyperparameters) -> None:
+    """Refuse now what the ships, the form or the overrides of training would be refused for."""
+    training = load_scenario(scenario, hyper.training.overrides)
+    for ship in {scenario.ship, *hyper.training.ships}:
+        Helm(hyper.form).reset(1, load_ship(ship, surrogate=scenario.surrogate), training)
 
 
 def available_recipes() -> list[str]:

@@ -61,6 +61,9 @@ class Training:
         and forces), which the finished policy never needs.
     overrides : dict
         Keys of the scenario, dotted or nested, that hold in training only.
+    wear : float
+        What a deg/h of rudder travel adds to the score that chooses the best policy, in the score's
+        unit (where more is better, takes from it); 0: the score alone decides.
     ships : tuple of str
         Ships that are sailed in training, in turn over the environments; none: the scenario's.
     """
@@ -74,6 +77,7 @@ class Training:
     checkpoint: float = 60.0
     critic: str = "same"
     overrides: dict[str, Any] = dataclasses.field(default_factory=dict)
+    wear: float = 0.0
     ships: tuple[str, ...] = ()
 
     def __post_init__(self):
@@ -84,6 +88,7 @@ class Training:
         check_number("training.validations", self.validations, 1, 1000)
         check_number("training.threads", self.threads, 1, 1024)
         check_number("training.checkpoint", self.checkpoint, 0.0, 1e6, "s")
+        check_number("training.wear", self.wear, 0.0, 1e6)
         check_known("training.critic", self.critic, CRITICS)
         if len(self.ships) > self.envs:
             raise ConfigError(
@@ -183,6 +188,7 @@ def load_hyperparameters(
     *,
     task: str = "",
     settings: Mapping[str, Any] | None = None,
+    where: str = "",
 ) -> Hyperparameters:
     """Hyperparameters of an algorithm.
 
@@ -198,6 +204,8 @@ def load_hyperparameters(
         The package's own of this task, where it has such.
     settings : mapping, optional
         Single values by dotted key, as in ``{"training.gamma": 0.995}``; they replace all others.
+    where : str
+        What to call a mapping in an error.
 
     Raises
     ------
@@ -209,9 +217,9 @@ def load_hyperparameters(
     of_task = _FOLDER / f"{algorithm}.{task}.toml"
     if task and of_task.is_file():
         values = merged(values, read_toml(of_task))
-    where = (
-        Path(source).name if isinstance(source, str | Path) else f"hyperparameters of {algorithm}"
-    )
+    if isinstance(source, str | Path):
+        where = Path(source).name
+    where = where or f"hyperparameters of {algorithm}"
     values = merged(values, partial(source, where))
     if envs is not None:
         values = merged(values, {"training": {"envs": envs}})

@@ -21,6 +21,7 @@ from ship_gym_agents.sb3.config import RunConfig
 from ship_gym_agents.training.residuals import residuals_of
 
 MOST_WEIGHTS = 200  # each takes a voyage of all episodes in every iteration
+LIMIT = 3.0  # of scaled features: a linear law shall not grow where it has hardly ever been
 _FLOOR = 0.05  # of the scale of a feature: one that hardly varies is not blown up to noise
 
 
@@ -114,6 +115,8 @@ class Voyages:
         For its names and signs.
     seeds : list of int
         Of the episodes, training seeds drawn by the seed of the run.
+    price_of_travel : float
+        What a policy is chosen by beside the score of its task [unit of the score h/deg].
     samples : int
         Intervals sailed so far, of all episodes.
     """
@@ -138,6 +141,7 @@ class Voyages:
         draws = [seeding.np_random(seed)[0].random(batch.n_draws) for seed in self.seeds]
         self._draws, self.samples = np.stack(draws), 0
         self.helm = self._helm(batch)
+        self.price_of_travel = residuals_of(batch, self._options).price_of_travel
 
     def _batch(self, candidates: int) -> EpisodeBatch:
         n = candidates * len(self.seeds)
@@ -157,7 +161,7 @@ class Voyages:
         odd = self.form.symmetric & (self.helm.signs < 0.0)
         mean = np.where(odd, 0.0, moments.mean)
         spread = np.sqrt(np.maximum(moments.square - mean**2, 0.0))
-        return Normaliser(mean, np.maximum(spread, _FLOOR))
+        return Normaliser(mean, np.maximum(spread, _FLOOR), LIMIT)
 
     def sail(
         self, networks: Sequence[Mlp], normaliser: Normaliser, moments: _Moments | None = None

@@ -9,9 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ship_gym.evaluation.metrics import metrics_of
 from ship_gym.provenance import atomic_path
-from ship_gym.tasks import TASKS
 from ship_gym_agents.sb3.config import CARD_FILE
 from ship_gym_agents.training.run_folder import CURVE_FILE, CURVE_PICTURE
 
@@ -56,16 +54,17 @@ def draw_curves(out: str | Path, folders: Sequence[str | Path] | None = None) ->
 
     card = json.loads((runs[0] / CARD_FILE).read_text(encoding="utf-8"))
     scenario = card["config"]["scenario"]
-    name = TASKS[scenario["task"]].headline
+    measure = card["measure"]
     first, last = card["validation_seeds"]
+    references = card.get("final", {}).get("references", {})
     path = Path(out) / CURVE_PICTURE
     plot_learning_curves(
         [read_curve(run / CURVE_FILE) for run in runs],
-        name,
-        metrics_of(scenario["task"])[name].unit,
+        measure["name"],
+        measure["unit"],
         path,
         f"{card['config']['algorithm']}, {scenario['task']}, {scenario['ship']}",
-        f"mean of {last - first + 1} validation seas; dashed: on the seas of the final evaluation",
-        card.get("final", {}).get("references"),
+        f"mean of {last - first + 1} validation seas, the same for all",
+        {name: each["validation"] for name, each in references.items()},
     )
     return path

@@ -21,6 +21,7 @@ from ship_gym_agents.training.score import Score, Validation, validate
 
 # beside the usual one of a task, where they can steer
 _MORE = {"pid": ("adaptive",), "drift_los": ("just_in_time",)}
+_TRAVEL = "rudder_travel"
 BETTER, WORSE, OPEN = "better than", "worse than", "no difference shown from"
 
 
@@ -51,6 +52,7 @@ def judge(
     score: Score,
     episodes: int,
     base: str = "",
+    chosen_on: Sequence[int] = (),
     ships: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Sail the policy and its references on the same seas.
@@ -63,6 +65,8 @@ def judge(
     episodes : int
     base : str
         Name of the controller that the policy is built on, if any.
+    chosen_on : sequence of int
+        Seeds of the validations, on which the references are sailed too, for the learning curve.
     ships : sequence of str
         Of the training, where it had several; they take turns.
 
@@ -70,29 +74,41 @@ def judge(
     -------
     dict
         For the card: ``seeds`` (first, last), ``policy`` (means), ``references`` (name to means
-        and ``difference``: policy less reference with its 95 % interval, p and ``verdict``) and
-        the ``text`` that says it all.
+        and ``difference``: policy less reference with its 95 % interval, p and ``verdict``;
+        ``travel_difference`` of the rudder's travel; ``validation``: means on `chosen_on`) and the
+        ``text`` that says it all.
     """
     seeds = list(range(JUDGING_SEED, JUDGING_SEED + episodes))
     own = validate(policy, scenario, seeds, score, ships)
     found: dict[str, Any] = {}
     for name in references(scenario, base):
         other = validate(make_controller(name), scenario, seeds, score, ships)
-        found[name] = {**other.means, "difference": compared(own, other, score)}
+        found[name] = {
+            **other.means,
+            "difference": compared(own, other, score),
+            "travel_difference": difference(own.each[_TRAVEL], other.each[_TRAVEL]),
+        }
+        if chosen_on:
+            controller = make_controller(name)
+            chosen = validate(controller, scenario, chosen_on, score, ships)
+            found[name]["validation"] = chosen.means
     made = {"seeds": [seeds[0], seeds[-1]], "policy": own.means, "references": found}
     return {**made, "text": final_text(made, score)}
 
 
 def compared(own: Validation, other: Validation, score: Score) -> dict[str, Any]:
     """Difference of the score, own less other, over the episodes in which both have a value."""
-    pairs = [pair for pair in zip(own.each, other.each, strict=True) if None not in pair]
-    if len(pairs) < 2:
-        return {"verdict": OPEN}
-    difference = paired(*zip(*pairs, strict=True))
-    verdict = OPEN
-    if not difference.low <= 0.0 <= difference.high:
-        verdict = BETTER if (difference.high < 0.0) == (score.better == "lower") else WORSE
-    return {**dataclasses.asdict(difference), "verdict": verdict}
+    found = difference(own.each[score.name], other.each[score.name])
+    if not found or found["low"] <= 0.0 <= found["high"]:
+        return {**found, "verdict": OPEN}
+    lower = found["high"] < 0.0
+    return {**found, "verdict": BETTER if lower == (score.better == "lower") else WORSE}
+
+
+def difference(own: Sequence[float | None], other: Sequence[float | None]) -> dict[str, float]:
+    """Mean of paired differences, own less other, with its interval; empty with fewer than two."""
+    pairs = [pair for pair in zip(own, other, strict=True) if None not in pair]
+    return dataclasses.asdict(paired(*zip(*pairs, strict=True))) if len(pairs) > 1 else {}
 
 
 def final_text(found: Mapping[str, Any], score: Score) -> str:
@@ -100,25 +116,29 @@ def final_text(found: Mapping[str, Any], score: Score) -> str:
     first, last = found["seeds"]
     own, unit = found["policy"], "" if score.unit == "-" else f" {score.unit}"
     line = (
-        f"final, {last - first + 1} seas that chose nothing (seeds {first} to {last}): "
-        f"{score.name} {_shown(own[score.name])}{unit}, success {own['success']:.0%}"
+        f"final, {last - first + 1} seas that chose nothing (seeds {first} to {last}), differences "
+        f"with 95 % intervals: {score.name} {_shown(own[score.name])}{unit}, success "
+        f"{own['success']:.0%}, rudder travel {own['rudder_travel']:.4g} deg/h"
     )
-    return "; ".join([line, *(_against(*each, own, score) for each in found["references"].items())])
+    return "; ".join([line, *(_against(*each, score) for each in found["references"].items())])
 
 
-def _against(name: str, other: Mapping[str, Any], own: Mapping[str, Any], score: Score) -> str:
-    difference = other["difference"]
-    travel = f"rudder travel {own['rudder_travel']:.4g} against {other['rudder_travel']:.4g} deg/h"
-    if "value" not in difference:
-        return f"not comparable with {name}, {travel}"
-    values = [f"{difference[key]:+.3g}" for key in ("value", "low", "high")]
-    failed = (
-        "" if other["success"] == own["success"] == 1.0 else (f", success {other['success']:.0%}")
-    )
+def _against(name: str, other: Mapping[str, Any], score: Score) -> str:
+    found, failed = other["difference"], ""
+    if other["success"] < 1.0:
+        failed = f", success {other['success']:.0%}"
+    travel = f"rudder travel {_interval(other['travel_difference'])} deg/h"
+    if "value" not in found:
+        return f"not comparable with {name}{failed}, {travel}"
     return (
-        f"{difference['verdict']} {name} ({_shown(other[score.name])}{failed}): {values[0]} "
-        f"[{values[1]}, {values[2]}], {travel}"
+        f"{found['verdict']} {name} ({_shown(other[score.name])}{failed}): {_interval(found)}, "
+        f"{travel}"
     )
+
+
+def _interval(found: Mapping[str, float]) -> str:
+    values = [f"{found[key]:+.3g}" for key in ("value", "low", "high")]
+    return f"{values[0]} [{values[1]}, {values[2]}]"
 
 
 def _shown(value: float | None) -> str:

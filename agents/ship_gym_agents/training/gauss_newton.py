@@ -74,6 +74,8 @@ class _Search:
         self._run, self._options = run, config.hyperparameters.algorithm
         self._voyages = Voyages(config)
         self._layout = Layout(self._voyages.helm, network.hidden, network.activation)
+        # the base is the first policy that is judged: less travel at the same score is a gain
+        run.score = run.score._replace(wear=run.score.wear or self._voyages.price_of_travel)
         self._sailed_before = 0
         if run.checkpoint is not None:
             self._load(run.checkpoint / _STATE)
@@ -155,6 +157,7 @@ class _Search:
             vector=self._vector,
             mean=self._normaliser.mean,
             scale=self._normaliser.scale,
+            limit=np.array(self._normaliser.limit),
             weights=weights,
             counts=np.array([self._iterations, self._idle, self.samples]),
             damping=np.array(self._damping),
@@ -163,7 +166,7 @@ class _Search:
     def _load(self, file: Path) -> None:
         with np.load(file, allow_pickle=False) as state:
             self._vector, self._damping = state["vector"], float(state["damping"])
-            self._normaliser = Normaliser(state["mean"], state["scale"])
+            self._normaliser = Normaliser(state["mean"], state["scale"], float(state["limit"]))
             self._iterations, self._idle, self._sailed_before = state["counts"].tolist()
             weights = state["weights"]
         self._weights = weights if len(weights) else None

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.conventions import DELTA, FLOW_TORQUE, N, PSI, U, X, Y, wrap_angle
+from ship_gym.conventions import DELTA, FLOW_TORQUE, PSI, N, U, X, Y, wrap_angle
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.physics.propeller import shaft_power
 from ship_gym.ships.particulars import Ship
@@ -21,12 +21,13 @@ from ship_gym.simulation import ShipSim, self_propulsion
 from ship_gym.tasks.measures import TURN
 from ship_gym.tracks.guidance import share_left
 from ship_gym_agents.sb3.options import GaussNewtonOptions
+from ship_gym_agents.tuning.objective import objective_of
 
 LAMBDA = 0.1  # of J, weight of the squared rudder angle
 _SMALL = 0.3  # rudder movement below which its price is that of its square [deg]
 _SLACK = 0.012  # share of the time of a voyage in which an arrival is late already
 _LATE = 10.0  # of the share by which it is late: 1 % of the time weighs as 1 % of the energy
-_HOLD = 0.02  # courses: weight of the squared rudder angle, in deg2 of the heading error
+_HOLD = 6e-4  # courses: weight of the squared rudder angle [deg2], by band squared
 
 
 class Residuals:
@@ -52,6 +53,14 @@ class Residuals:
         self._failing = np.array([outcome.failed for outcome in batch.task.all_outcomes])
         self.sailing = np.ones(batch.n, dtype=np.bool_)
         self._failed = np.zeros(batch.n, dtype=np.bool_)
+
+    @property
+    def price_of_travel(self) -> float:
+        """What a policy is chosen by, beside the score of its task [unit of the score h/deg].
+
+        That of tuning, so that learned and classical controllers are chosen alike.
+        """
+        return objective_of(self._batch.scenario.task).price
 
     def begin(self) -> None:
         """Keep what the interval is judged by."""
@@ -87,6 +96,11 @@ class Heading(Residuals):
     def __init__(self, batch: EpisodeBatch, options: GaussNewtonOptions):
         super().__init__(batch, options)
         self._since = np.zeros(batch.n)  # the last order [full-scale s]
+
+    @property
+    def price_of_travel(self) -> float:
+        """As in the cost: J is tuned without a price."""
+        return self._options.price * self._batch.scenario.control_interval / 3600.0
 
     def begin(self) -> None:
         """See `Residuals`."""
@@ -125,6 +139,7 @@ class Course(Heading):
     """
 
     PARTS = 4
+    price_of_travel = Residuals.price_of_travel
 
     def __init__(self, batch: EpisodeBatch, options: GaussNewtonOptions):
         super().__init__(batch, options)
@@ -138,13 +153,14 @@ class Course(Heading):
         self._side = np.where(self._take_orders(), np.sign(left), self._side)
         return (
             options.band * np.tanh(error / options.band),
-            math.sqrt(_HOLD) * np.degrees(batch.sim.state[:, DELTA]),
+            math.sqrt(_HOLD) * options.band * np.degrees(batch.sim.state[:, DELTA]),
             math.sqrt(options.overshoot) * beyond,
         )
 
     def _worst(self) -> tuple[float, ...]:
         limit, hard_over = super()._worst()
-        return self._options.band, math.sqrt(_HOLD / LAMBDA) * hard_over, limit
+        band = self._options.band
+        return band, math.sqrt(_HOLD / LAMBDA) * band * hard_over, limit
 
 
 class Track(Residuals):
@@ -173,6 +189,11 @@ class Economy(Residuals):
         super().__init__(batch, options)
         self._steps = batch.scenario.steps
         self._full = np.array([_power_at_speed(ship) for ship in batch.ships])
+
+    @property
+    def price_of_travel(self) -> float:
+        """None: the energy counts."""
+        return 0.0
 
     def _of_task(self) -> tuple[np.ndarray, ...]:
         batch = self._batch

@@ -84,7 +84,8 @@ class Run:
                 f"{folder.path}: its budget is used up ({self.samples} samples, "
                 f"{self.budget.seconds / 60.0:.2f} min); give more minutes or steps in all"
             )
-        self.score = score_of(config.scenario)
+        wear = config.hyperparameters.training.wear
+        self.score = score_of(config.scenario)._replace(wear=wear)
         if state:
             self.score = self.score._replace(limit=state["limit"])
         self.episodes = state["episodes"] if state else EPISODES[0]
@@ -136,7 +137,7 @@ class Run:
         if self.budget.minutes is None:
             return
         few = EPISODES[-1]
-        cost = self._sail(policy, few).seconds / few
+        cost = self._sail(policy, _seeds(few)).seconds / few
         spare = _SHARE * 60.0 * self.budget.minutes / _FEWEST
         self.episodes = next((n for n in EPISODES if n * cost <= spare), few)
 
@@ -145,14 +146,18 @@ class Run:
         limit = self.config.hyperparameters.price.limit
         if limit == "base":
             base = make_controller(self.config.hyperparameters.form.base)
-            limit = self._sail(base, self.episodes).means["rudder_travel"]
+            limit = self._sail(base, self.seeds).means["rudder_travel"]
         self.score = self.score._replace(limit=float(limit) if limit else None)
 
-    def _sail(self, controller: Any, count: int) -> Validation:
+    def _sail(self, controller: Any, seeds: list[int]) -> Validation:
         """Validation episodes with all ships of the training."""
-        seeds = list(range(VALIDATION_SEED, VALIDATION_SEED + count))
         ships = self.config.hyperparameters.training.ships
         return validate(controller, self.config.scenario, seeds, self.score, ships)
+
+    @property
+    def seeds(self) -> list[int]:
+        """Seeds of the validations."""
+        return _seeds(self.episodes)
 
     def _next(self) -> None:
         """Set the share of the budget at which the next validation is due."""
@@ -224,7 +229,7 @@ class Run:
 
     def _validate(self, policy: Any, learner: dict[str, float]) -> dict[str, Any]:
         """Sail the validation episodes; keep the policy if it is the best so far."""
-        sailed = self._sail(policy, self.episodes)
+        sailed = self._sail(policy, self.seeds)
         self._cost = sailed.seconds
         self._validated += sailed.seconds
         found = {**sailed.means, **learner, "samples": self.samples}
@@ -276,7 +281,7 @@ class Run:
     def _card(self, status: str) -> dict[str, Any]:
         budget = self.budget
         card = {
-            "name": f"{self.config.algorithm}-{self.folder.path.name}",
+            "name": f"{self.config.algorithm}-{self.folder.name}",
             "status": status,
             "config": plain(self.config),
             "budget": {"minutes": budget.minutes, "steps": budget.steps},
@@ -285,8 +290,13 @@ class Run:
             "used": round(self.used, 4),
             "validation_seeds": [VALIDATION_SEED, VALIDATION_SEED + self.episodes - 1],
             "score": self.score.text,
+            "measure": {"name": self.score.name, "unit": self.score.unit},
             "validations": self.validations,
             **self._told,
         }
         told = {"best": self.chosen, "final": self.final}
         return card | {key: value for key, value in told.items() if value is not None}
+
+
+def _seeds(count: int) -> list[int]:
+    return list(range(VALIDATION_SEED, VALIDATION_SEED + count))

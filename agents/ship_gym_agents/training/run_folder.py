@@ -33,6 +33,12 @@ class TrainingFolder:
         self.path = Path(path)
         self._checkpoints = self.path / _CHECKPOINTS
 
+    @property
+    def name(self) -> str:
+        """Name of the folder; one of several seeds is named with its run."""
+        path = self.path.absolute()
+        return f"{path.parent.name}-{path.name}" if path.name.startswith("seed_") else path.name
+
     def locked(self) -> contextlib.AbstractContextManager[None]:
         """Hold the folder; refused while another process does. Killing that one frees it."""
         return locked(self.path / _LOCK, "trains into this folder")
@@ -91,6 +97,11 @@ class TrainingFolder:
     def _complete(self) -> list[Path]:
         """Complete checkpoints, the oldest first."""
         return sorted(path for path in self._checkpoints.glob("[0-9]*") if path.is_dir())
+
+    def free(self) -> None:
+        """Take back the card of a run that was refused before it had learned anything."""
+        if self.checkpoint() is None:
+            (self.path / CARD_FILE).unlink(missing_ok=True)
 
     def clear(self) -> None:
         """Remove what a run left that was killed before its first checkpoint."""

@@ -101,7 +101,7 @@ class SB3Run:
 
     def policy(self) -> Policy:
         """The present policy."""
-        card = {"name": f"{self.config.algorithm}-{self.run.folder.path.name}"}
+        card = {"name": f"{self.config.algorithm}-{self.run.folder.name}"}
         return export(self.model, self.config.algorithm, self.hyper, card)
 
     def save(self, folder: Path) -> None:

@@ -27,19 +27,24 @@ class Score(NamedTuple):
         As in the metrics of the task; `better` is "lower" or "higher".
     limit : float, optional
         Rudder travel that should not be exceeded [deg/h].
+    wear : float
+        What a deg/h of rudder travel counts, in the unit of the measure.
     """
 
     name: str
     unit: str
     better: str
     limit: float | None = None
+    wear: float = 0.0
 
     @property
     def text(self) -> str:
         """The rule in words."""
         unit = "" if self.unit == "-" else f" [{self.unit}]"
         held = "" if self.limit is None else f"rudder travel up to {self.limit:.4g} deg/h, then "
-        return f"fewest failures, then {held}mean {self.name}{unit}, {self.better} is better"
+        sign = "+" if self.better == "lower" else "-"
+        wear = f" {sign} {self.wear:.3g} rudder travel [deg/h]" if self.wear else ""
+        return f"fewest failures, then {held}mean {self.name}{unit}{wear}, {self.better} is better"
 
     def key(self, found: Mapping[str, Any]) -> tuple[float, bool, float, float]:
         """Sort key of a validation: the best is the smallest.
@@ -51,7 +56,7 @@ class Score(NamedTuple):
         return (
             -found["success"],
             above,
-            np.inf if value is None else sign * value,
+            np.inf if value is None else sign * value + self.wear * found["rudder_travel"],
             -found["return"],
         )
 
@@ -65,10 +70,10 @@ def score_of(scenario: Scenario) -> Score:
 
 
 class Validation(NamedTuple):
-    """Sailed validation episodes: means, the score of each episode, and how long it took [s]."""
+    """Sailed validation episodes: means, values of each episode, and how long it took [s]."""
 
     means: dict[str, float | None]
-    each: list[float | None]
+    each: dict[str, list[float | None]]
     seconds: float
 
 
@@ -101,7 +106,7 @@ def validate(
             found[own] = [metrics(episode) for episode in sailed.episodes]
     columns = {n: [row[n] for row in found] for n in dict.fromkeys((score.name, *_BESIDE))}
     means = {name: _mean(column) for name, column in columns.items()}
-    return Validation(means, columns[score.name], time.monotonic() - began)
+    return Validation(means, columns, time.monotonic() - began)
 
 
 def _mean(column: Sequence[float | None]) -> float | None:

@@ -23,7 +23,7 @@ from ship_gym_agents.training.budget import Budget
 from ship_gym_agents.training.curves import draw_curves
 from ship_gym_agents.training.run_folder import TrainingFolder
 from ship_gym_agents.training.score import Score, score_of
-from ship_gym_agents.training.train import need_libraries, train
+from ship_gym_agents.training.train import beginning, need_libraries, train
 
 SUMMARY_FILE = "summary.json"
 _POLL = 2.0  # seconds between two looks at the cards of runs in other processes
@@ -70,13 +70,15 @@ def train_seeds(
     folder = TrainingFolder(out)
     with folder.locked():
         _check_earlier(folder, config, count, resume)
+        init = beginning(folder, init, resume)
         card = {
-            "name": f"{config.algorithm}-{folder.path.name}",
+            "name": f"{config.algorithm}-{folder.name}",
             "status": "running",
             "config": plain(config),
             "budget": {"minutes": minutes, "steps": steps},
             "seeds": count,
             "command": command,
+            "init": init,
             **provenance(),
         }
         folder.write_card(card)
@@ -84,12 +86,16 @@ def train_seeds(
         options |= {"final": final, "command": command}
         try:
             cards = _all(_parts(config, folder.path, count), options, jobs, bar)
+        except ConfigError:
+            if not any(folder.path.glob(f"seed_*/{CARD_FILE}")):
+                folder.free()
+            raise
         except KeyboardInterrupt:
             folder.write_card(card | {"status": "interrupted"})
             raise
         finally:
             draw_curves(folder.path, sorted(folder.path.glob("seed_*")))
-        card |= {"status": "complete", **summarised(cards, score_of(config.scenario))}
+        card |= {"status": "complete", **summarised(cards, _score(config))}
         with atomic_path(folder.path / SUMMARY_FILE) as temporary:
             temporary.write_text(json.dumps(card, indent=1) + "\n", encoding="utf-8")
         best = folder.path / f"seed_{card['median']['place']}" / POLICY_FILE
@@ -181,6 +187,10 @@ def _show(bar: Any, folders: Sequence[Path]) -> None:
         cards = [TrainingFolder(folder).card() or {} for folder in folders]
         share = sum(card.get("used", 0.0) for card in cards) / len(cards)
         bar.update(int(share * bar.total) - bar.n)
+
+
+def _score(config: RunConfig) -> Score:
+    return score_of(config.scenario)._replace(wear=config.hyperparameters.training.wear)
 
 
 def summarised(cards: Sequence[dict[str, Any]], score: Score) -> dict[str, Any]:

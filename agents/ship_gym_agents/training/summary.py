@@ -36,11 +36,10 @@ def summary(config: RunConfig, card: Mapping[str, Any], out: str | Path) -> str:
     if "runs" in card:
         return _of_seeds(config, card, out)
     score, best = score_of(config.scenario), card["best"]
-    rate = card["samples"] / max(card["seconds"], 1e-9)
     first, last = card["validation_seeds"]
     history = "  ".join(shown(found[score.name]) for found in card["validations"])
     lines = [
-        f"{card['samples']} samples in {card['seconds']:.0f} s of training, {rate:.0f} per second",
+        _how_long(card),
         f"validation on {last - first + 1} seas, {score.name} [{score.unit}]: {history}",
         f"best ({card['score']}): {score.name} {shown(best[score.name])} {score.unit}, return "
         f"{best['return']:.2f}, success {best['success']:.0%}, after {best['samples']} samples",
@@ -48,6 +47,15 @@ def summary(config: RunConfig, card: Mapping[str, Any], out: str | Path) -> str:
     if "final" in card:
         lines.append(card["final"]["text"])
     return "\n".join([*lines, _wrote(out)])
+
+
+def _how_long(card: Mapping[str, Any]) -> str:
+    """Samples and seconds; a plain word where nothing was learned."""
+    samples, seconds = card["samples"], card["seconds"]
+    line = f"{samples} samples in {seconds:.0f} s of training"
+    if card["validations"][-1].get("iteration") == 0.0:
+        return f"{line}: ended before the first iteration was complete, so nothing was learned"
+    return line if seconds < 1.0 else f"{line}, {samples / seconds:.0f} per second"
 
 
 def _of_seeds(config: RunConfig, card: Mapping[str, Any], out: str | Path) -> str:

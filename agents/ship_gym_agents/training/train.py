@@ -12,13 +12,16 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from ship_gym.config import ConfigError
+from ship_gym_agents.controllers import shipped_file
+from ship_gym_agents.policies.policy_file import load_policy
 from ship_gym_agents.sb3.config import RunConfig
 from ship_gym_agents.training.curves import draw_curves
 from ship_gym_agents.training.final import judge
 from ship_gym_agents.training.run import Report, Run
 from ship_gym_agents.training.run_folder import TrainingFolder
 
-FEWEST_JUDGING = 32  # episodes of the final evaluation, at least
+FEWEST_JUDGING = 64  # episodes of the final evaluation, at least
 GAUSS_NEWTON = "gauss_newton"
 
 
@@ -51,7 +54,8 @@ def train(
         Continue the run in `out`, which must have the same config; one that was killed before its
         first checkpoint, or no run at all, begins anew.
     init : str or path, optional
-        Policy whose weights the run begins with.
+        Policy whose weights the run begins with: one of the package by name, a file or the folder
+        of a run. A resumed run keeps its own.
     bar : object, optional
         Progress bar with ``n``, ``total`` and ``update(increment)``.
     report : callable, optional
@@ -70,17 +74,26 @@ def train(
     Raises
     ------
     ConfigError
-        No budget or none left, a folder that holds a run or that another process trains into.
+        No budget or none left, a folder that holds a run or that another process trains into, a
+        policy to begin with that cannot be read or is not that of the resumed run.
     ImportError
         A library for training is not installed.
     """
     need_libraries(config.algorithm)
     folder = TrainingFolder(out)
     with folder.locked():
-        told = {"command": command, "init": None if init is None else str(init)}
+        init = beginning(folder, init, resume)
+        told = {"command": command, "init": init}
         run = Run(config, folder, minutes, steps, resume, told, report)
         try:
-            return _learner(config.algorithm)(run, init, bar, _judge(run) if final else None)
+            learn, own = _learner(config.algorithm), _file(init)
+            return learn(run, own, bar, _judge(run) if final else None)
+        except ConfigError:
+            folder.free()
+            raise
+        except KeyboardInterrupt:
+            run.write("interrupted")
+            raise
         finally:
             draw_curves(folder.path)
 
@@ -92,6 +105,33 @@ def need_libraries(algorithm: str) -> None:
             raise ImportError(
                 f'training needs {library}, which is not installed: pip install "ship-gym[rl]"'
             )
+
+
+def beginning(folder: TrainingFolder, init: str | Path | None, resume: bool) -> str | None:
+    """Policy to begin with, that of the resumed run if there is one; None: from nothing.
+
+    Raises
+    ------
+    ConfigError
+        Another policy than the resumed run began with, or one that cannot be read.
+    """
+    card, given = (folder.card() if resume else None), None if init is None else str(init)
+    if card is not None:
+        before = card.get("init")
+        if given not in (None, before):
+            raise ConfigError(
+                f"{folder.path}: init = {given}: a resumed run began with {before or 'no policy'}; "
+                "leave it out"
+            )
+        given = before
+    if given is not None and folder.checkpoint() is None:
+        load_policy(_file(given))
+    return given
+
+
+def _file(init: str | None) -> str | Path | None:
+    """Where the policy of a name or path lies."""
+    return None if init is None else shipped_file(init) or init
 
 
 def _learner(algorithm: str) -> Callable[..., dict[str, Any]]:
@@ -109,7 +149,7 @@ def _judge(run: Run) -> Callable[[Any], dict[str, Any]]:
 
     def of(policy: Any) -> dict[str, Any]:
         episodes = max(FEWEST_JUDGING, run.episodes)
-        ships = hyper.training.ships
-        return judge(policy, run.config.scenario, run.score, episodes, hyper.form.base, ships)
+        base, ships = hyper.form.base, hyper.training.ships
+        return judge(policy, run.config.scenario, run.score, episodes, base, run.seeds, ships)
 
     return of

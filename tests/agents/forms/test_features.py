@@ -21,7 +21,7 @@ COUNT, LENGTH = 6, 40
 TRACK = tuple(name for name in BLOCKS if name not in ("drift", "voyage"))
 # base -> scenario and blocks: every block somewhere
 CASES = {
-    "pid": ("heading_keeping", tuple(n for n in TRACK if n != "route")),
+    "pid": ("heading_keeping", tuple(n for n in TRACK if n not in ("route", "turn"))),
     "drift_los": ("track_following", (*TRACK, "drift", PRODUCTS)),
     "just_in_time": ("track_economy", (*TRACK, "voyage")),
 }
@@ -143,6 +143,34 @@ def test_route_drift_speed_and_effect():
         assert found["effect.effect"][k] == pytest.approx(
             np.clip(4.0 * (effect(seen_now) - 1.0), -5.0, 5.0)
         )
+
+
+def test_turn_is_the_way_along_an_arc_into_the_next_leg():
+    """By hand: an arc of 2.5 L, 90 deg to starboard, and the headings along it."""
+    scenario, R = load_scenario("track_following"), 2.5
+    seen = measurements(scenario, 4, 1, seed=6)
+    names = list(observation_columns(scenario))
+    on_arc = math.radians(30.0)
+    places = [  # to go, cross-track error, error from the path, bearing of the path there
+        (8.0, 0.3, 0.3, 0.0),  # long before the turn
+        (R - R * math.sin(on_arc), R - R * math.cos(on_arc), 0.0, on_arc),
+        (R - 0.9 * R * math.sin(on_arc), R - 0.9 * R * math.cos(on_arc), 0.1 * R, on_arc),
+        (0.2, 4.0, 0.2, 0.5 * math.pi),  # beyond the turn: 0.2 L to starboard of the next leg
+    ]
+    for name, values in zip(("to_go", "cross_track"), np.transpose(places)[:2], strict=True):
+        seen[0][:, names.index(name)] = values
+    seen[0][:, names.index("next_turn")] = 0.5
+    seen[0][:, names.index("sin_error")], seen[0][:, names.index("cos_error")] = 0.0, 1.0
+    found, _ = features("drift_los", "track_following", ("turn", "observer"), seen)
+    error, bearing = np.transpose(places)[2:]
+    psi = found["observer.psi"][0] / 2.0
+    ahead = np.clip(bearing + 0.5 / R, 0.0, 0.5 * math.pi) * (bearing > 0.0)
+    assert found["turn.cross_arc"][0] == pytest.approx(error, abs=1e-6)
+    assert found["turn.soft_cross_arc"][0] == pytest.approx(np.tanh(4.0 * error), abs=1e-6)
+    assert found["turn.bearing"][0] == pytest.approx(2.0 * (psi - ahead), abs=1e-6)
+    to_go = np.transpose(places)[0]
+    assert found["turn.at"][0] == pytest.approx(math.pi * np.exp(-to_go / 1.2), abs=1e-6)
+    assert found["turn.cross_next"][0] == pytest.approx(np.tanh(to_go), abs=1e-6)
 
 
 def test_the_sea_is_what_the_filter_leaves():

@@ -42,6 +42,8 @@ def test_a_form_goes_through_a_card():
         ({"every": 0}, "form.every = 0: allowed is 1 to"),
         ({"lags": [0]}, "form.lags = (0,): allowed are 1 to"),
         ({"lags": [2, 2]}, "each is allowed once"),
+        ({"filter_noise": 0.3}, "form.filter_noise = 0.3 without form.base: allowed is 1"),
+        ({"filter_noise": 0.0, "base": "pid"}, "form.filter_noise = 0.0: allowed is 0.01 to 100"),
     ],
 )
 def test_what_does_not_go_together_is_refused(values, message):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from ship_gym_agents.controllers import make_controller
 from ship_gym_agents.forms import Form, Helm, form_from
+from ship_gym_agents.pid import PID
 
 from ship_gym import load_scenario, load_ship
 from ship_gym.config import ConfigError
@@ -15,7 +16,7 @@ from tests.agents.measurements import measurements
 
 COUNT, LENGTH = 4, 30
 MOTION = ("observation", "observer", "reference", "soft", "sea", "speed", "effect", "ship")
-TRACK = (*MOTION, "route")
+TRACK = (*MOTION, "route", "turn")
 # base -> scenario and blocks
 BASES = {
     "pid": ("heading_keeping", (*MOTION, "products")),
@@ -163,6 +164,30 @@ def test_guidance_holds_its_offset_and_the_base_steers_every_interval():
         helm.look(seen)
         expected = alone.steer(alone.perceive(seen), 0.5 * held[:, 0])
         assert np.array_equal(helm.act(d), expected)
+
+
+def test_filter_noise_is_that_of_the_gains_of_the_base():
+    """The same bits as a base whose gains say so."""
+    gains = PID.gains_for(load_ship("kcs"), "heading_keeping")
+    noises = {k: 0.3 * getattr(gains.observer, k) for k in ("sway_noise", "yaw_noise")}
+    observer = dataclasses.replace(gains.observer, **noises)
+    alone = PID(dataclasses.replace(gains, observer=observer))
+    alone.reset(COUNT, load_ship("kcs"), load_scenario("heading_keeping"))
+    form = Form("residual", "pid", 0.3, features=("observer",), filter_noise=0.3)
+    helm, other = begun(form, "heading_keeping"), 0.0
+    quick = begun(dataclasses.replace(form, filter_noise=1.0), "heading_keeping")
+    for seen in measurements(load_scenario("heading_keeping"), COUNT, LENGTH, seed=8):
+        helm.look(seen), quick.look(seen)
+        action = helm.act()
+        assert np.array_equal(action, alone.act(seen))
+        other = max(other, np.abs(action - quick.act()).max())
+    assert other > 1e-3
+
+
+def test_filter_noise_needs_an_observer():
+    form = Form("residual", "bang_bang", 0.3, features=("observer",), filter_noise=0.3)
+    with pytest.raises(ConfigError, match="bang_bang has no observer here; allowed is 1"):
+        begun(form, "heading_keeping")
 
 
 @pytest.mark.parametrize("action", ["residual", "guidance"])

@@ -262,6 +262,25 @@ def test_what_changes_over_the_budget():
     np.testing.assert_allclose(model.policy.log_std.detach().numpy(), middle, rtol=1e-6)
 
 
+def test_ships_overrides_and_a_linear_actor():
+    settings = {
+        "training.ships": ["kcs", "onrt"],
+        "training.overrides.sea.states": ["ss6"],
+        "network.hidden": [],
+        "network.critic": [8],
+    }
+    config = tiny("ppo", {**RESIDUAL, "symmetric": True}, "privileged", settings=settings)
+    model = learned(config)
+    venv = form_env(model.get_env()).venv
+    assert [ship.name for ship in venv.env.ships] == ["kcs", "onrt"] * 4
+    assert venv.env.scenario.sea.states == ("ss6",) != config.scenario.sea.states
+    policy, seen = policy_of(model, config), observations_of(model)
+    assert len(policy.network.weights) == 1
+    features = seen[:, : policy.network.n_features].astype(np.float64)
+    found = policy.network(policy.normaliser(features))
+    np.testing.assert_allclose(found, decided(model, seen), atol=1e-5)
+
+
 @pytest.mark.parametrize("algorithm", ["ppo", "sac", "td3", "tqc"])
 def test_an_untrained_residual_is_nearly_the_base(algorithm):
     model = model_of(tiny(algorithm))

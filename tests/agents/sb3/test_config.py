@@ -142,6 +142,27 @@ def test_what_cannot_be(algorithm, settings, word):
     assert word in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("settings", "word"),
+    [
+        ({"form.base": "drift_los", "form.action": "guidance"}, "drift_los"),
+        ({"form.features": ["observer"]}, "observer"),
+        ({"training.ships": ["kcz"]}, "did you mean 'kcs'"),
+        ({"training.overrides.duratoin": 9.0}, "did you mean 'duration'"),
+    ],
+)
+def test_what_cannot_sail_is_refused_before_any_work(settings, word):
+    with pytest.raises(ConfigError) as error:
+        run_config(settings=settings)
+    assert word in str(error.value)
+
+
+def test_errors_name_the_file(tmp_path):
+    (tmp_path / "own.toml").write_text("[training]\ngama = 0.9\n")
+    with pytest.raises(ConfigError, match=r"own\.toml"):
+        run_config(hyperparameters=tmp_path / "own.toml")
+
+
 def test_a_policy_never_sees_the_sea():
     with pytest.raises(ConfigError, match=r"training\.critic = 'privileged'"):
         run_config(privileged=True)

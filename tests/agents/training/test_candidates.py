@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from ship_gym_agents.forms import Form, Helm
 from ship_gym_agents.policies.normaliser import no_scaling
-from ship_gym_agents.sb3.config import run_config
+from ship_gym_agents.sb3.config import available_recipes, run_config
 from ship_gym_agents.training.candidates import MOST_WEIGHTS, Layout, Voyages
 
 from ship_gym.config import ConfigError
@@ -138,3 +138,14 @@ def test_propeller_answers_even_features_and_has_a_bias():
     odd = helm.signs < 0.0
     np.testing.assert_array_equal(network.weights[0], np.stack([odd, ~odd]).astype(float))
     np.testing.assert_array_equal(network.biases[0], [0.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    "recipe", [name for name in available_recipes() if name.endswith("gauss_newton")]
+)
+def test_recipes_fit_their_scenarios(recipe):
+    config = run_config(recipe=recipe, settings={"algorithm.episodes": 2})
+    voyages = Voyages(config)
+    network = config.hyperparameters.network
+    layout = Layout(voyages.helm, network.hidden, network.activation)
+    assert config.algorithm == "gauss_newton" and 0 < layout.size <= 60

@@ -128,6 +128,12 @@ def test_episodes_can_count_by_what_they_cost_at_first(tmp_path):
     assert weights.max() > 1.5 * weights.min() and np.all(weights > 0.0)
 
 
+def test_policies_are_chosen_with_the_price_of_the_cost(tmp_path):
+    config = config_of(price=0.6, iterations=1)
+    card = train(config, tmp_path / "run", steps=10**9, final=False)
+    assert "+ 0.000167 rudder travel [deg/h]" in card["score"]
+
+
 def test_hidden_layer_learns_too(tmp_path):
     train(config_of(hidden=[2], iterations=1), tmp_path / "run", steps=10**9, final=False)
     state = last_state(tmp_path / "run")

@@ -26,6 +26,11 @@ def test_a_checkpoint_counts_when_it_is_complete(tmp_path):
     assert len(list((tmp_path / "run" / "checkpoint").iterdir())) == 1, "older ones are gone"
 
 
+def test_one_of_several_seeds_is_named_with_its_run(tmp_path):
+    assert TrainingFolder(tmp_path / "track").name == "track"
+    assert TrainingFolder(tmp_path / "track" / "seed_3").name == "track-seed_3"
+
+
 def test_two_processes_do_not_share_a_folder(tmp_path):
     folder = TrainingFolder(tmp_path / "run")
     hold = (

@@ -28,6 +28,14 @@ def test_travel_above_the_limit_comes_behind_all_below_it():
     assert "rudder travel up to 1000 deg/h" in limited.text and "lower is better" in limited.text
 
 
+def test_wear_may_count():
+    worn = LOWER._replace(wear=0.01)
+    calm, near = found(5.0, travel=500.0), found(3.0, travel=900.0)
+    assert min((near, calm), key=worn.key) == calm and min((near, calm), key=LOWER.key) == near
+    assert "J_steady [deg2] + 0.01 rudder travel [deg/h], lower" in worn.text
+    assert "energy - 0.01" in Score("energy", "-", "higher", wear=0.01).text
+
+
 def test_the_return_decides_where_episodes_are_too_short():
     assert min((found(None, total=1.0), found(None, total=2.0)), key=LOWER.key)["return"] == 2.0
 
@@ -35,12 +43,12 @@ def test_the_return_decides_where_episodes_are_too_short():
 def test_validation_means_are_those_of_the_metrics():
     scenario = load_scenario(overrides={"duration": 200.0})
     sailed = validate(make_controller("pid"), scenario, [VALIDATION_SEED, VALIDATION_SEED + 1])
-    assert sailed.means["J_steady"] == pytest.approx(np.mean(sailed.each))
+    assert sailed.means["J_steady"] == pytest.approx(np.mean(sailed.each["J_steady"]))
     assert sailed.means["success"] == 1.0 and sailed.seconds > 0.0
 
 
-def of(values):
-    return Validation({}, list(values), 0.0)
+def of(values, name="J_steady"):
+    return Validation({}, {name: list(values)}, 0.0)
 
 
 def test_a_verdict_needs_an_interval_without_zero():
@@ -49,7 +57,7 @@ def test_a_verdict_needs_an_interval_without_zero():
     assert compared(of(base - 0.5 + noise), of(base), LOWER)["verdict"] == BETTER
     assert compared(of(base + 0.5 + noise), of(base), LOWER)["verdict"] == WORSE
     higher = Score("x", "-", "higher")
-    assert compared(of(base + 0.5 + noise), of(base), higher)["verdict"] == BETTER
+    assert compared(of(base + 0.5 + noise, "x"), of(base, "x"), higher)["verdict"] == BETTER
     open_ = compared(of(base + noise - noise.mean()), of(base), LOWER)
     assert open_["verdict"] == OPEN and open_["low"] < 0.0 < open_["high"]
 
@@ -76,6 +84,7 @@ def test_the_judgement_says_what_it_found():
     against = same["references"]["pid"]["difference"]
     assert (against["value"], against["verdict"]) == (0.0, OPEN)
     assert "no difference shown from pid" in same["text"]
+    assert "rudder travel +0 [+0, +0] deg/h" in same["text"]
     nothing = judge(make_controller("constant"), scenario, score, 24)
     assert nothing["references"]["pid"]["difference"]["verdict"] == WORSE
     assert "worse than pid" in nothing["text"] and "success" in nothing["text"]
@@ -92,8 +101,8 @@ def test_ships_of_a_fleet_take_turns():
     seeds = [VALIDATION_SEED, VALIDATION_SEED + 1, VALIDATION_SEED + 2]
     both = validate(make_controller("pid@kcs"), scenario, seeds, ships=("kcs", "onrt"))
     alone = [
-        validate(make_controller("pid@kcs"), scenario, own, ships=(ship,)).each
+        validate(make_controller("pid@kcs"), scenario, own, ships=(ship,)).each["J_steady"]
         for own, ship in ((seeds[::2], "kcs"), (seeds[1:2], "onrt"))
     ]
-    assert both.each == pytest.approx([alone[0][0], alone[1][0], alone[0][1]])
-    assert both.means["J_steady"] == pytest.approx(np.mean(both.each))
+    assert both.each["J_steady"] == pytest.approx([alone[0][0], alone[1][0], alone[0][1]])
+    assert both.means["J_steady"] == pytest.approx(np.mean(both.each["J_steady"]))

@@ -1,5 +1,6 @@
 import csv
 import json
+import shutil
 import sys
 
 import numpy as np
@@ -20,6 +21,7 @@ from ship_gym_agents.training.run import Run
 from ship_gym_agents.training.run_folder import TrainingFolder
 from ship_gym_agents.training.sb3_run import SB3Run
 from ship_gym_agents.training.score import validate
+from ship_gym_agents.training.seeds import train_seeds
 from ship_gym_agents.training.train import train
 
 
@@ -251,6 +253,17 @@ def test_a_price_with_a_limit_decides_what_is_chosen(tiny, tmp_path):
     assert "multiplier" in columns(out / "curve.csv")[-1]
 
 
+def test_what_is_refused_leaves_the_folder_free(tiny, tmp_path):
+    track = {"form": {"action": "residual", "base": "drift_los"}}  # cannot steer a heading
+    with pytest.raises(ConfigError, match="drift_los"):
+        train(tiny(more=track), tmp_path / "run", steps=64)
+    with pytest.raises(ConfigError, match="no such policy"):
+        train(tiny(), tmp_path / "run", steps=64, init=tmp_path / "none.safetensors")
+    with pytest.raises(ConfigError, match="drift_los"):
+        train_seeds(tiny(more=track), tmp_path / "run", 2, steps=64)
+    assert not (tmp_path / "run" / "card.json").exists()
+
+
 def test_missing_extra_is_one_clear_line(monkeypatch, tiny, tmp_path):
     config = tiny()
     monkeypatch.setitem(sys.modules, "torch", None)
@@ -269,3 +282,32 @@ def test_half_a_minute_of_training_beats_doing_nothing(tmp_path):
     assert card["best"]["success"] == 1.0
     assert nothing.terminated.mean() > 0.5
     assert validate(policy, config.scenario, seeds).means["J_steady"] < 15.0  # nothing: about 1700
+
+
+def test_a_resumed_run_keeps_the_policy_it_began_with(tiny, tmp_path):
+    init = tmp_path / "first"
+    train(tiny(), init, steps=64, final=False)
+    with pytest.raises(ConfigError, match="no such policy"):
+        train(tiny(), tmp_path / "none", steps=64, init=tmp_path / "nothing")
+    assert not (tmp_path / "none" / "card.json").exists(), "refused before any work"
+    out = tmp_path / "run"
+    train(tiny(), out, steps=128, init=init, final=False)
+    card = train(tiny(), out, steps=256, resume=True, final=False)
+    assert card["init"] == str(init)
+    with pytest.raises(ConfigError, match=r"init = other: a resumed run began with .*first"):
+        train(tiny(), out, steps=512, resume=True, init="other")
+    shutil.rmtree(out / "checkpoint")  # as if killed before the first one
+    again = train(tiny(), out, steps=64, resume=True, final=False)
+    first = train(tiny(), tmp_path / "same", steps=64, init=init, final=False)
+    assert again["init"] == str(init)
+    assert again["validations"][0]["return"] == first["validations"][0]["return"]
+
+
+def test_seeds_that_are_resumed_begin_with_the_same_policy(tiny, tmp_path):
+    init, out = tmp_path / "first", tmp_path / "run"
+    train(tiny(), init, steps=64, final=False)
+    train_seeds(tiny(), out, 2, steps=64, init=init, final=False)
+    shutil.rmtree(out / "seed_1")  # as if killed before it
+    train_seeds(tiny(), out, 2, steps=64, resume=True, final=False)
+    card = json.loads((out / "seed_1" / "card.json").read_text())
+    assert card["init"] == str(init)
