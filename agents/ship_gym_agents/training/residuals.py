@@ -25,7 +25,7 @@ from ship_gym_agents.tuning.objective import objective_of
 
 LAMBDA = 0.1  # of J, weight of the squared rudder angle
 _SMALL = 0.3  # rudder movement below which its price is that of its square [deg]
-_SLACK = 0.012  # share of the time of a voyage in which an arrival is late already
+_SLACK = 0.02  # share of the time of a voyage in which an arrival is late already
 _LATE = 10.0  # of the share by which it is late: 1 % of the time weighs as 1 % of the energy
 _HOLD = 6e-4  # courses: weight of the squared rudder angle [deg2], by band squared
 
