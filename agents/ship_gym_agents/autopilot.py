@@ -64,6 +64,9 @@ class Autopilot:
         Gain, by its dotted name, to lowest, highest and first value of a tuning.
     lent_by : Ship or None
         The ship whose tuned gains steer, whatever ship sails; None: her own or those given.
+    own_model : bool
+        Whether lent gains come without the linear model of the ship that lends them: filter, and
+        with lqg the regulator, are those of the ship that sails, linearised.
     filter_noise : float
         Noise of the ship's own motion that the observer assumes, by that of the gains; 1 unless
         set before `reset`. Below 1 more of the measured motion is taken for waves.
@@ -79,6 +82,7 @@ class Autopilot:
     def __init__(self, gains: Any = None, name: str = ""):
         self.gains, self.name, self._source = gains, name or self.KIND, "of the ship"
         self.lent_by: Ship | None = None
+        self.own_model = False
         self.filter_noise = 1.0
 
     def reset(self, count: int, ship: Ship, scenario: Scenario) -> None:
@@ -181,10 +185,14 @@ class Autopilot:
         if self.gains_given:
             self._source = "given"
             return self.gains
-        ship = self.lent_by or ship
+        sailing, ship = ship, self.lent_by or ship
         path = find_gains(ship.name, self.KIND, task)
         self._source = "first gains, not tuned" if path is None else path.name
-        return self.gains_for(ship, task)
+        gains = self.gains_for(ship, task)
+        if not self.own_model:
+            return gains
+        self._source += f", on the linear model of {sailing.name}"
+        return with_model_of(sailing, gains, self.name)
 
     def _calmer(self, chosen: Any) -> Observer:
         """The observer of the gains with `filter_noise` times the noise of the ship's motion."""
@@ -220,6 +228,22 @@ class Autopilot:
             Those of the reference, and its rudder angle [rad].
         """
         raise NotImplementedError(f"{type(self).__name__} has no rudder law: define _rudder")
+
+
+def with_model_of(ship: Ship, gains: Any, name: str) -> Any:
+    """Gains whose observer has the linear model of a ship; all else stays.
+
+    Raises
+    ------
+    ConfigError
+        They have no observer.
+    """
+    if hasattr(gains, "pid"):
+        return dataclasses.replace(gains, pid=with_model_of(ship, gains.pid, name))
+    if getattr(gains, "observer", None) is None:
+        raise ConfigError(f"controller {name}: its gains have no observer, so no linear model")
+    model = Observer.first(ship).ship
+    return dataclasses.replace(gains, observer=dataclasses.replace(gains.observer, ship=model))
 
 
 def wrapped(angle: np.ndarray) -> np.ndarray:

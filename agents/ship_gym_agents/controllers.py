@@ -37,6 +37,7 @@ CONTROLLERS: dict[str, Callable[[], Controller]] = {
     "lqg": LQG,
     "mpc": MPC,
 }
+OWN_MODEL = "+model"  # behind name@ship
 PRETRAINED = Path(__file__).parent / "pretrained"
 
 
@@ -57,8 +58,9 @@ def make_controller(name_or_path: str | Path) -> Controller:
     ----------
     name_or_path : str or path
         A key of `CONTROLLERS`; ``"name@ship"``: that controller with the gains of this ship,
-        whatever ship sails; one of `pretrained()`; the path of a ``.toml`` file of gains, which
-        names its controller; the ``.safetensors`` file of a policy or the folder of a run of
+        whatever ship sails, and ``"name@ship+model"``: on the linear model of the ship that sails,
+        as its designers know it; one of `pretrained()`; the path of a ``.toml`` file of gains,
+        which names its controller; the ``.safetensors`` file of a policy or the folder of a run of
         ``ship-gym train``, for several seeds the median one; or ``"file.py:Name"``: a controller
         of one's own, its class or what makes it.
 
@@ -107,14 +109,18 @@ def controller_class(name: str) -> type:
 
 
 def _with_gains_of(name: str, ship: str) -> Controller:
-    """A controller with the gains of a ship, whatever ship sails."""
+    """A controller with the gains of a ship, whatever ship sails; of the `OWN_MODEL` of that."""
     found = controller_class(name)
+    whole, ship = ship, ship.removesuffix(OWN_MODEL)
     foreign = load_ship(ship)
     gains_for = getattr(found, "gains_for", None)  # a controller of one's own may have none
     gains = gains_for(foreign) if gains_for else tuned_file(foreign, found).gains
-    made = found(gains, name=f"{name}@{ship}")
+    made = found(gains, name=f"{name}@{whole}")
     if isinstance(made, Autopilot):
         made.lent_by = foreign  # those of the task that is sailed, as for a ship of its own
+        made.own_model = whole != ship
+    elif whole != ship:
+        raise ConfigError(f"controller {name}@{whole}: has no linear model to replace")
     return made
 
 

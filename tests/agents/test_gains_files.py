@@ -8,6 +8,7 @@ from ship_gym_agents.drift_los import DriftLOS
 from ship_gym_agents.entrants import entrant
 from ship_gym_agents.gains_files import GainsFile, gains_type, kind_of, load_gains, write_gains
 from ship_gym_agents.los import ILOS
+from ship_gym_agents.lqg import LQG
 from ship_gym_agents.pid import PID, Gains, gains_of
 from ship_gym_agents.reference import Guidance
 
@@ -191,3 +192,21 @@ def test_tuned_guidance_keeps_the_route_better(ship):
             for g in (law.gains_for(load_ship(ship)), law.first_gains(load_ship(ship)))
         )
         assert tuned < 0.85 * first
+
+
+def test_lent_gains_may_come_without_the_model_of_the_ship_that_lends():
+    lent, whole = make_controller("lqg@onrt+model"), make_controller("lqg@onrt")
+    own = reset(lent, "heading_keeping", "kvlcc2")._g
+    foreign = reset(whole, "heading_keeping", "kvlcc2")._g
+    assert own.observer.ship == LQG.first_gains(load_ship("kvlcc2")).observer.ship
+    assert foreign.observer.ship == LQG.gains_for(load_ship("onrt")).observer.ship
+    assert dataclasses.replace(own, observer=foreign.observer) == foreign
+    assert lent.name == "lqg@onrt+model"
+    assert lent.about()["gains"] == "lqg_onrt.toml, on the linear model of kvlcc2"
+    adaptive = reset(make_controller("adaptive@kcs+model"), "heading_keeping", "onrt")
+    assert adaptive._g.observer.ship == LQG.first_gains(load_ship("onrt")).observer.ship
+
+
+def test_gains_without_a_linear_model_cannot_get_another(two_tasks):
+    with pytest.raises(ConfigError, match="no observer"):
+        reset(make_controller("pid@kcs+model"), "heading_keeping", "onrt")

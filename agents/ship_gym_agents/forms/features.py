@@ -63,6 +63,8 @@ _PAIRS: dict[str, tuple[str, ...]] = {
     "speed.surge": (*_MOTION, "turn.cross_arc", "turn.bearing_ahead"),
     "speed.propeller": ("observer.psi", "observer.bias"),
     "effect.effect": _MOTION,
+    # only one constant of the ship: with few ships more could not be told from each other
+    "ship.time": (*_MOTION, "observer.rudder", "observer.own_rudder", "sea.yaw_rate"),
     "route.near": (
         "observer.psi",
         "observer.yaw_rate",

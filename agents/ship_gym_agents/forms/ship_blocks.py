@@ -75,6 +75,7 @@ class Ship(Block):
         "gear": (1.4, 0.25),
         "propeller": (0.62, 0.15),
         "screws": (1.5, 0.5),
+        "time": (28.0, 8.0),
     }
     FEATURES: ClassVar = dict.fromkeys(USUAL, 1.0)
 
@@ -91,7 +92,11 @@ class Ship(Block):
 
 @functools.lru_cache(maxsize=64)
 def constants(ship: Particulars) -> tuple[float, ...]:
-    """Those of `Ship`, non-dimensional: linear model, form, rudder rate by U0 / L, propeller."""
+    """Those of `Ship`: linear model, form, rudder rate by U0 / L, propeller, L / U0.
+
+    All but the last are non-dimensional, and that is in full-scale seconds. Waves come in seconds,
+    a ship and her filter work in L / U0: it tells how far apart the two are.
+    """
     hull, U0 = ship.hull, ship.speed
     return (
         *dataclasses.astuple(linearise(ship).steering),
@@ -102,4 +107,5 @@ def constants(ship: Particulars) -> tuple[float, ...]:
         ship.gear.rate * hull.L / U0,
         self_propulsion(ship, U0) / ship.engine.n_max,
         float(ship.propellers),
+        hull.L / U0 * ship.time_unit,
     )

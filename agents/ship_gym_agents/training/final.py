@@ -53,6 +53,7 @@ def judge(
     episodes: int,
     base: str = "",
     chosen_on: Sequence[int] = (),
+    ships: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Sail the policy and its references on the same seas.
 
@@ -66,6 +67,8 @@ def judge(
         Name of the controller that the policy is built on, if any.
     chosen_on : sequence of int
         Seeds of the validations, on which the references are sailed too, for the learning curve.
+    ships : sequence of str
+        Of the training, where it had several; they take turns.
 
     Returns
     -------
@@ -76,10 +79,10 @@ def judge(
         ``text`` that says it all.
     """
     seeds = list(range(JUDGING_SEED, JUDGING_SEED + episodes))
-    own = validate(policy, scenario, seeds, score)
+    own = validate(policy, scenario, seeds, score, ships)
     found: dict[str, Any] = {}
     for name in references(scenario, base):
-        other = validate(make_controller(name), scenario, seeds, score)
+        other = validate(make_controller(name), scenario, seeds, score, ships)
         found[name] = {
             **other.means,
             "difference": compared(own, other, score),
@@ -87,7 +90,8 @@ def judge(
         }
         if chosen_on:
             controller = make_controller(name)
-            found[name]["validation"] = validate(controller, scenario, chosen_on, score).means
+            chosen = validate(controller, scenario, chosen_on, score, ships)
+            found[name]["validation"] = chosen.means
     made = {"seeds": [seeds[0], seeds[-1]], "policy": own.means, "references": found}
     return {**made, "text": final_text(made, score)}
 

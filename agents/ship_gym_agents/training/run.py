@@ -21,7 +21,7 @@ from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, plain
 from ship_gym_agents.training.budget import Budget
 from ship_gym_agents.training.curves import write_curve
 from ship_gym_agents.training.run_folder import CURVE_FILE, TrainingFolder
-from ship_gym_agents.training.score import score_of, validate
+from ship_gym_agents.training.score import Validation, score_of, validate
 
 EPISODES = (64, 32, 16)  # of a validation: as many as the budget bears
 _SHARE = 0.1  # of the time of training, for all validations together
@@ -137,7 +137,7 @@ class Run:
         if self.budget.minutes is None:
             return
         few = EPISODES[-1]
-        cost = validate(policy, self.config.scenario, _seeds(few)).seconds / few
+        cost = self._sail(policy, _seeds(few)).seconds / few
         spare = _SHARE * 60.0 * self.budget.minutes / _FEWEST
         self.episodes = next((n for n in EPISODES if n * cost <= spare), few)
 
@@ -146,9 +146,13 @@ class Run:
         limit = self.config.hyperparameters.price.limit
         if limit == "base":
             base = make_controller(self.config.hyperparameters.form.base)
-            sailed = validate(base, self.config.scenario, self.seeds, self.score)
-            limit = sailed.means["rudder_travel"]
+            limit = self._sail(base, self.seeds).means["rudder_travel"]
         self.score = self.score._replace(limit=float(limit) if limit else None)
+
+    def _sail(self, controller: Any, seeds: list[int]) -> Validation:
+        """Validation episodes with all ships of the training."""
+        ships = self.config.hyperparameters.training.ships
+        return validate(controller, self.config.scenario, seeds, self.score, ships)
 
     @property
     def seeds(self) -> list[int]:
@@ -225,7 +229,7 @@ class Run:
 
     def _validate(self, policy: Any, learner: dict[str, float]) -> dict[str, Any]:
         """Sail the validation episodes; keep the policy if it is the best so far."""
-        sailed = validate(policy, self.config.scenario, self.seeds, self.score)
+        sailed = self._sail(policy, self.seeds)
         self._cost = sailed.seconds
         self._validated += sailed.seconds
         found = {**sailed.means, **learner, "samples": self.samples}

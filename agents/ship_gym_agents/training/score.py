@@ -78,9 +78,13 @@ class Validation(NamedTuple):
 
 
 def validate(
-    policy: Controller, scenario: Scenario, seeds: Sequence[int], score: Score | None = None
+    policy: Controller,
+    scenario: Scenario,
+    seeds: Sequence[int],
+    score: Score | None = None,
+    ships: Sequence[str] = (),
 ) -> Validation:
-    """Sail one episode per seed.
+    """Sail one episode per seed; with `ships` these take turns, so each counts as much.
 
     Episodes that failed count as their metric says (``tasks.measures``); those without a value of
     one are left out of its mean.
@@ -94,8 +98,12 @@ def validate(
     began = time.monotonic()
     score = score_of(scenario) if score is None else score
     # One thread: threads that wait for each other on a shared machine are slower than none.
-    sailed = rollout(policy, scenario, seeds=seeds, parallel=False)
-    found = [metrics(episode) for episode in sailed.episodes]
+    found: list[Any] = [None] * len(seeds)
+    for k, ship in enumerate(ships or (None,)):
+        own = slice(k, None, len(ships) or 1)
+        if seeds[own]:
+            sailed = rollout(policy, scenario, seeds=seeds[own], ship=ship, parallel=False)
+            found[own] = [metrics(episode) for episode in sailed.episodes]
     columns = {n: [row[n] for row in found] for n in dict.fromkeys((score.name, *_BESIDE))}
     means = {name: _mean(column) for name, column in columns.items()}
     return Validation(means, columns, time.monotonic() - began)

@@ -145,10 +145,11 @@ def _learner(algorithm: str) -> Callable[..., dict[str, Any]]:
 
 def _judge(run: Run) -> Callable[[Any], dict[str, Any]]:
     """The final evaluation of the run's best policy."""
-    base = run.config.hyperparameters.form.base
+    hyper = run.config.hyperparameters
 
     def of(policy: Any) -> dict[str, Any]:
         episodes = max(FEWEST_JUDGING, run.episodes)
-        return judge(policy, run.config.scenario, run.score, episodes, base, run.seeds)
+        base, ships = hyper.form.base, hyper.training.ships
+        return judge(policy, run.config.scenario, run.score, episodes, base, run.seeds, ships)
 
     return of

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from ship_gym_agents.controllers import make_controller
 from ship_gym_agents.forms import Form, Helm
-from ship_gym_agents.forms.features import BLOCKS, PRODUCTS
-from ship_gym_agents.forms.ship_blocks import constants
+from ship_gym_agents.forms.features import BLOCKS, PRODUCTS, pairs
+from ship_gym_agents.forms.ship_blocks import Ship, constants
 from ship_gym_agents.rudder_effect import RudderEffect
 
 from ship_gym import load_scenario, load_ship
@@ -224,6 +224,15 @@ def test_constants_of_every_ship(ship):
     row = helm.look(np.zeros((2, 9)))
     assert np.isfinite(row).all() and (np.abs(row) < 3.5).all() and (row[0] == row[1]).all()
     assert (helm.signs == 1.0).all()
+
+
+def test_time_of_a_ship_is_full_scale_and_what_gains_change_with():
+    kcs, model = load_ship("kcs"), load_ship("kcs_model")
+    assert constants(kcs)[-1] == pytest.approx(kcs.hull.L / kcs.speed)
+    assert constants(model)[-1] == pytest.approx(constants(kcs)[-1], rel=1e-6)
+    names = ["observer.psi", "observer.own_rudder", *(f"ship.{name}" for name in Ship.USUAL)]
+    time = names.index("ship.time")
+    assert pairs(names) == [(0, time), (1, time)]
 
 
 def test_ships_differ_and_a_model_is_nearly_its_ship():

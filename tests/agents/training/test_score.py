@@ -94,3 +94,15 @@ def test_voyage_at_free_speed_is_judged_by_its_energy():
     economy = load_scenario("track_economy")
     assert score_of(economy).name == "voyage_energy" and score_of(economy).better == "lower"
     assert score_of(load_scenario("track_following")).name == "rms_route"
+
+
+def test_ships_of_a_fleet_take_turns():
+    scenario = load_scenario(overrides={"duration": 200.0})
+    seeds = [VALIDATION_SEED, VALIDATION_SEED + 1, VALIDATION_SEED + 2]
+    both = validate(make_controller("pid@kcs"), scenario, seeds, ships=("kcs", "onrt"))
+    alone = [
+        validate(make_controller("pid@kcs"), scenario, own, ships=(ship,)).each["J_steady"]
+        for own, ship in ((seeds[::2], "kcs"), (seeds[1:2], "onrt"))
+    ]
+    assert both.each["J_steady"] == pytest.approx([alone[0][0], alone[1][0], alone[0][1]])
+    assert both.means["J_steady"] == pytest.approx(np.mean(both.each["J_steady"]))
