@@ -36,7 +36,7 @@ VERBS = {
     "build-wave-table": "Compute a ship's wave table by boundary elements.",
     "speed": "Measure how fast physics and environments step, beside CartPole and peers.",
     "warm-up": "Compile beforehand what ships and tasks need, so that nobody waits later.",
-    "list": "List what can be named: ships, scenarios, tasks, controllers, surrogates.",
+    "list": "List what can be named: ships, scenarios, tasks, controllers, recipes, surrogates.",
     "completion": "Print the script that completes ship-gym in a shell.",
 }
 PROGRAM = "ship-gym"
