@@ -115,7 +115,7 @@ def run_config(
     )
     if name == "gauss_newton" and not hyper.form.base:
         raise ConfigError(
-            "form.base is empty: gauss_newton corrects a classical autopilot; allowed is a form with "
+            "form.base is empty: gauss_newton corrects a classical autopilot; allowed is a form on "
             "a base, as in --recipe heading_gauss_newton"
         )
     _check_sailing(resolved, hyper)
