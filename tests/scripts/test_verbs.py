@@ -280,13 +280,14 @@ def test_list_tells_what_can_be_named(cli):
     code, out, _ = cli("list", "--json")
     found = json.loads(out)
     assert code == 0 and set(found) == {
-        *("ships", "scenarios", "tasks", "controllers", "surrogates", "seas")
+        *("ships", "scenarios", "tasks", "controllers", "recipes", "surrogates", "seas")
     }
     assert found["scenarios"]["track_zigzag"] == "track_following"
     assert (
         "ppo for kcs in heading_keeping" in found["controllers"]["ppo_kcs"]
         and found["controllers"]["pid"]
     )
+    assert found["recipes"]["heading_gauss_newton"].startswith("Heading: ")
     assert found["surrogates"]["G2_SA"] == "default"
     assert all(found["ships"].values()) and "heading_keeping" in found["tasks"]
     code, out, _ = cli("list", "surrogates", "--ship", "onrt", "seas")
@@ -357,7 +358,7 @@ def test_train_then_what_it_says_comes_next(cli):
     code, _, err = cli("train", *small, "--out", "run")
     assert code == 2 and "run holds a run; resume it" in err
     code, _, err = cli("train", "--resume", "--out", "run", "--ship", "kcs")
-    assert code == 2 and "leave out: ship" in err
+    assert code == 2 and "leave out: --ship" in err
 
 
 def test_speed_of_an_own_ship_in_an_own_task(cli, ship_file):

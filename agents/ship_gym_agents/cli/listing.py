@@ -9,7 +9,7 @@ import click
 from ship_gym_agents.cli.options import ship, verb
 from ship_gym_agents.cli.values import Name
 
-KINDS = ("ships", "scenarios", "tasks", "controllers", "surrogates", "seas")
+KINDS = ("ships", "scenarios", "tasks", "controllers", "recipes", "surrogates", "seas")
 
 
 @verb(
@@ -21,7 +21,7 @@ KINDS = ("ships", "scenarios", "tasks", "controllers", "surrogates", "seas")
 @ship(default="kcs_model")
 @click.option("--task", type=Name("tasks"), help="Your own FILE.py[:NAME], listed with the others.")
 def command(as_json, what, ship, task) -> None:
-    """List what can be named: ships, scenarios, tasks, controllers, surrogates.
+    """List what can be named: ships, scenarios, tasks, controllers, recipes, surrogates.
 
     WHAT is one or several of these and seas, or a FILE.py with controllers of your own; --ship is
     the ship whose surrogates and hull variants are listed.
@@ -65,6 +65,10 @@ def _about(kind: str, name: str) -> str:
         from ship_gym.scenarios.scenario import load_scenario
 
         return load_scenario(name).task
+    if kind == "recipes":
+        from ship_gym_agents.sb3.config import RECIPES
+
+        return (RECIPES / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].strip("# ")
     if kind == "controllers":
         from ship_gym_agents.controllers import CONTROLLERS
 

@@ -61,7 +61,7 @@ _DEPTH: dict[str, dict[str, Any]] = {
 @click.option("--n", type=whole(1, 10**6), default=4096, help="Ships, with --against.")
 @click.option("--only", cls=Several, help="Of what --against measures, such as calm or memory.")
 def command(as_json, quick, full, training, plot, page, against, n, only, task, **options) -> None:
-    """Measure how fast physics and environments step, beside CartPole and peers, and training."""
+    """Measure how fast physics, environments and training run, beside CartPole and peers."""
     from ship_gym_agents.cli.output import need, show
 
     if quick and full:

@@ -140,5 +140,7 @@ def _same(config: Any, given: dict[str, Any], out: Path) -> Any:
     from ship_gym_agents.sb3.config import plain, run_config
 
     if given and plain(run_config(**given)) != plain(config):
-        raise ConfigError(f"{out}: a resumed run keeps its config; leave out: {', '.join(given)}")
+        typed = {"settings": "set", "overrides": "set", "algorithm": "algo"}
+        names = dict.fromkeys(f"--{typed.get(key, key)}" for key in given)
+        raise ConfigError(f"{out}: a resumed run keeps its config; leave out: {', '.join(names)}")
     return config

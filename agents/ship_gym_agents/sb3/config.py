@@ -113,6 +113,11 @@ def run_config(
     hyper = load_hyperparameters(
         name, source, envs, task=resolved.task, settings=settings, where=", ".join(files)
     )
+    if name == "gauss_newton" and not hyper.form.base:
+        raise ConfigError(
+            "form.base is empty: gauss_newton corrects a classical autopilot; allowed is a form on "
+            "a base, as in --recipe heading_gauss_newton"
+        )
     _check_sailing(resolved, hyper)
     seed = plan.get("seed", 0)
     if seed < 0:
@@ -178,6 +183,11 @@ def read_card(out: Path) -> dict[str, Any]:
         return json.loads(read_text(file))
     except json.JSONDecodeError as error:
         raise ConfigError(f"{file}: not valid JSON: {error}") from None
+
+
+def is_config_of(out: str | Path, config: RunConfig) -> bool:
+    """Whether the run in a folder has this config; keys that are newer than it are the default."""
+    return plain(load_config(out)) == plain(config)
 
 
 def check_free(out: str | Path) -> None:

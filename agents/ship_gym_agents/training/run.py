@@ -17,7 +17,7 @@ from ship_gym.evaluation.splits import VALIDATION_SEED
 from ship_gym.provenance import provenance
 from ship_gym_agents.controllers import make_controller
 from ship_gym_agents.policies.policy_file import POLICY_FILE, load_policy, save_policy
-from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, plain
+from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, is_config_of, plain
 from ship_gym_agents.training.budget import Budget
 from ship_gym_agents.training.curves import write_curve
 from ship_gym_agents.training.run_folder import CURVE_FILE, TrainingFolder
@@ -102,7 +102,7 @@ class Run:
         card = self.folder.card()
         if not resume and card is not None:
             raise ConfigError(f"{self.folder.path} holds a run; resume it or choose another folder")
-        if card is not None and card["config"] != plain(self.config):
+        if card is not None and not is_config_of(self.folder.path, self.config):
             raise ConfigError(
                 f"{self.folder.path}: cannot resume with another config than in {CARD_FILE}"
             )

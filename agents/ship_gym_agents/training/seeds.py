@@ -21,7 +21,7 @@ from ship_gym.config import ConfigError, check_number
 from ship_gym.evaluation.engines import begin_worker
 from ship_gym.provenance import atomic_path, provenance
 from ship_gym_agents.policies.policy_file import POLICY_FILE
-from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, plain
+from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, is_config_of, plain
 from ship_gym_agents.training.budget import Budget
 from ship_gym_agents.training.curves import draw_curves
 from ship_gym_agents.training.run_folder import TrainingFolder
@@ -116,7 +116,7 @@ def _check_earlier(folder: TrainingFolder, config: RunConfig, count: int, resume
         return
     if not resume:
         raise ConfigError(f"{folder.path} holds a run; resume it or choose another folder")
-    if card["config"] != plain(config) or card.get("seeds") != count:
+    if card.get("seeds") != count or not is_config_of(folder.path, config):
         raise ConfigError(
             f"{folder.path}: cannot resume with another config or number of seeds than in "
             f"{CARD_FILE}"

@@ -1,5 +1,7 @@
+import json
+
 import pytest
-from ship_gym_agents.sb3.config import load_recipe, plain, run_config
+from ship_gym_agents.sb3.config import is_config_of, load_recipe, plain, run_config
 from ship_gym_agents.sb3.options import OPTIONS
 from ship_gym_agents.sb3.sections import Price, load_hyperparameters
 
@@ -155,6 +157,20 @@ def test_what_cannot_sail_is_refused_before_any_work(settings, word):
     with pytest.raises(ConfigError) as error:
         run_config(settings=settings)
     assert word in str(error.value)
+
+
+def test_gauss_newton_needs_a_base():
+    with pytest.raises(ConfigError, match="corrects a classical autopilot"):
+        run_config("gauss_newton")
+
+
+def test_keys_that_are_newer_than_a_run_are_the_default(tmp_path):
+    config = run_config()
+    card = {"config": plain(config)}
+    del card["config"]["hyperparameters"]["form"]["lags"]
+    (tmp_path / "card.json").write_text(json.dumps(card))
+    assert is_config_of(tmp_path, config)
+    assert not is_config_of(tmp_path, run_config(settings={"form.lags": [2]}))
 
 
 def test_errors_name_the_file(tmp_path):

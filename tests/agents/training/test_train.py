@@ -296,6 +296,10 @@ def test_a_resumed_run_keeps_the_policy_it_began_with(tiny, tmp_path):
     assert card["init"] == str(init)
     with pytest.raises(ConfigError, match=r"init = other: a resumed run began with .*first"):
         train(tiny(), out, steps=512, resume=True, init="other")
+    next(out.glob("checkpoint/*/model.zip")).write_bytes(b"damaged")
+    with pytest.raises(ConfigError, match="damaged"):
+        train(tiny(), out, steps=512, resume=True)
+    assert json.loads((out / "card.json").read_text())["status"] == "stopped"
     shutil.rmtree(out / "checkpoint")  # as if killed before the first one
     again = train(tiny(), out, steps=64, resume=True, final=False)
     first = train(tiny(), tmp_path / "same", steps=64, init=init, final=False)
