@@ -50,8 +50,8 @@ SPLITS: dict[str, Split] = {
         Split("final", 3_000_000, 4_000_000, "one look at shipped policies"),
     )
 }
-TRAINING_SHIPS = ("kcs", "kvlcc2")
-HELD_OUT_SHIPS = ("s175", "dtc", "onrt")
+TRAINING_SHIPS = ("kcs", "kvlcc2", "onrt")
+HELD_OUT_SHIPS = ("s175", "dtc")
 
 VALIDATION_SEED = SPLITS["validation"].first
 JUDGING_SEED = 450_000  # from here on: the final evaluation of a run, not the choice of its policy

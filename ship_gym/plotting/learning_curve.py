@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import EngFormatter, MaxNLocator
 
 from ship_gym.plotting.figure import (
     AMBER,
@@ -63,6 +64,8 @@ def plot_learning_curves(
                     style = {"color": colour, "linestyle": DASHED, "linewidth": 1.2}
                     axes.axhline(values[name], label=controller, **style)
             _scale(axes)
+            axes.xaxis.set_major_locator(MaxNLocator(5))
+            axes.xaxis.set_major_formatter(EngFormatter())
             axes.set_xlabel("samples")
             axes.set_ylabel(label)
             if axes.get_legend_handles_labels()[0]:

@@ -177,8 +177,10 @@ class Hyperparameters:
 
 
 def algorithm_name(name: str) -> str:
-    """Key of `OPTIONS` for a name in any case, with hyphens or underscores."""
-    return check_known("algorithm", str(name).lower().replace("-", "_"), OPTIONS)
+    """Key of `OPTIONS` for a name in any case, with hyphens, underscores or nothing between."""
+    keys = {key.replace("_", ""): key for key in OPTIONS}
+    plain = str(name).lower().replace("-", "_")
+    return check_known("algorithm", keys.get(plain.replace("_", ""), plain), OPTIONS)
 
 
 def load_hyperparameters(

@@ -23,6 +23,7 @@ from ship_gym_agents.training.score import Score, Validation, validate
 _MORE = {"pid": ("adaptive",), "drift_los": ("just_in_time",)}
 _TRAVEL = "rudder_travel"
 BETTER, WORSE, OPEN = "better than", "worse than", "no difference shown from"
+NO_VALUES = "not comparable with"  # too few episodes have a value of the score
 
 
 def references(scenario: Scenario, base: str = "") -> list[str]:
@@ -99,7 +100,9 @@ def judge(
 def compared(own: Validation, other: Validation, score: Score) -> dict[str, Any]:
     """Difference of the score, own less other, over the episodes in which both have a value."""
     found = difference(own.each[score.name], other.each[score.name])
-    if not found or found["low"] <= 0.0 <= found["high"]:
+    if not found:
+        return {"verdict": NO_VALUES}
+    if found["low"] <= 0.0 <= found["high"]:
         return {**found, "verdict": OPEN}
     lower = found["high"] < 0.0
     return {**found, "verdict": BETTER if lower == (score.better == "lower") else WORSE}
@@ -129,7 +132,7 @@ def _against(name: str, other: Mapping[str, Any], score: Score) -> str:
         failed = f", success {other['success']:.0%}"
     travel = f"rudder travel {_interval(other['travel_difference'])} deg/h"
     if "value" not in found:
-        return f"not comparable with {name}{failed}, {travel}"
+        return f"{found['verdict']} {name}{failed}, {travel}"
     return (
         f"{found['verdict']} {name} ({_shown(other[score.name])}{failed}): {_interval(found)}, "
         f"{travel}"

@@ -3,7 +3,7 @@ import json
 import pytest
 from ship_gym_agents.sb3.config import is_config_of, load_recipe, plain, run_config
 from ship_gym_agents.sb3.options import OPTIONS
-from ship_gym_agents.sb3.sections import Price, load_hyperparameters
+from ship_gym_agents.sb3.sections import Price, algorithm_name, load_hyperparameters
 
 from ship_gym.config import ConfigError
 
@@ -18,6 +18,11 @@ def test_every_algorithm_has_its_own_complete_file():
 @pytest.mark.parametrize("name", ["PPO", "Recurrent-PPO", "sac", "Td3", "TQC", "dqn"])
 def test_names_in_any_case(name):
     assert run_config(name).algorithm == name.lower().replace("-", "_")
+
+
+def test_names_as_their_papers_and_libraries_write_them():
+    names = ["RecurrentPPO", "Gauss-Newton", "GaussNewton"]
+    assert [*map(algorithm_name, names)] == ["recurrent_ppo", "gauss_newton", "gauss_newton"]
 
 
 def test_a_partial_file_then_single_settings(tmp_path):

@@ -1,7 +1,15 @@
 import numpy as np
 import pytest
 from ship_gym_agents.controllers import make_controller
-from ship_gym_agents.training.final import BETTER, OPEN, WORSE, compared, judge, references
+from ship_gym_agents.training.final import (
+    BETTER,
+    NO_VALUES,
+    OPEN,
+    WORSE,
+    compared,
+    judge,
+    references,
+)
 from ship_gym_agents.training.score import Score, Validation, score_of, validate
 
 from ship_gym.evaluation.splits import JUDGING_SEED, SPLITS, VALIDATION_SEED
@@ -65,7 +73,7 @@ def test_a_verdict_needs_an_interval_without_zero():
 def test_episodes_without_a_value_are_left_out_in_pairs():
     difference = compared(of([1.0, None, 3.0]), of([0.0, 5.0, 2.0]), LOWER)
     assert difference["value"] == 1.0
-    assert compared(of([None, 1.0]), of([1.0, None]), LOWER) == {"verdict": OPEN}
+    assert compared(of([None, 1.0]), of([1.0, None]), LOWER) == {"verdict": NO_VALUES}
 
 
 def test_references_are_those_that_can_steer():
