@@ -245,7 +245,8 @@ def _holds(test: Mapping[str, Any]) -> bool:
 def _beside(result: Mapping[str, Any]) -> bool:
     """What a claim says without a test: failures, arrivals, points of the score."""
     failures = result["failures"]
-    fewest = min(failures[test["opponent"]] for test in result["tests"]) if result["tests"] else 0
+    met = [test["opponent"] for test in result["tests"]] or result["against"]
+    fewest = min(failures[name] for name in met)
     if failures[result["policy"]] > fewest + FAILURES:
         return False
     if result["arrive"] and result["not_arrived"]:
@@ -290,6 +291,12 @@ def told(judged: Sequence[Mapping[str, Any]]) -> str:
     """Verdicts as a table."""
     rows = []
     for claim in judged:
+        if not claim["tests"]:
+            score = claim["score"][claim["policy"]]
+            told = "-" if score is None else f"{score:.0f} points"
+            verdict = "holds" if claim["holds"] else "does not hold"
+            against = "/".join(claim["against"])
+            rows.append([claim["name"], claim["measure"], against, "100 points", told, "", verdict])
         for test in claim["tests"]:
             rows.append(
                 [

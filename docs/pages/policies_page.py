@@ -61,7 +61,7 @@ def _summary(judged: Sequence[Mapping[str, Any]]) -> str:
                 f"`{claim['policy']}`",
                 f"`{claim['scenario']}`",
                 claim["ship"],
-                f"{held} of {len(claim['tests'])}",
+                f"{held} of {len(claim['tests'])}" if claim["tests"] else "by points of the score",
                 "holds" if claim["holds"] else "**does not hold**",
             ]
         )
@@ -80,9 +80,14 @@ def _section(claim: Mapping[str, Any], pictures: Sequence[str]) -> str:
         "Failed episodes: "
         + ", ".join(f"`{name}` {n}" for name, n in claim["failures"].items())
         + ".",
-        "Paired differences, policy minus opponent:",
-        _tests(claim["tests"], units),
     ]
+    if claim["tests"]:
+        parts += ["Paired differences, policy minus opponent:", _tests(claim["tests"], units)]
+    if claim["points"]:
+        parts.append(
+            f"Claimed: a score not more than {claim['points']:g} points below the best of them, "
+            f"which {'holds' if claim['holds'] else '**does not hold**'}."
+        )
     if claim["seed_spread"]:
         spread = {f"seed {k}": one for k, one in enumerate(claim["seed_spread"])}
         parts += ["The training seeds, of which the median is shipped:"]
@@ -148,7 +153,8 @@ def _cell(found: Mapping[str, float | None] | None) -> str:
 
 def _pictures(claim: Mapping[str, Any], folder: Path) -> list[Path]:
     """Best, median and worst episode beside the opponent on the same seed."""
-    names = dict.fromkeys((claim["policy"], *(test["opponent"] for test in claim["tests"])))
+    opponents = [test["opponent"] for test in claim["tests"]] or claim["against"]
+    names = dict.fromkeys((claim["policy"], *opponents))
     names = list(names)[:2]
     env = {"ship": claim["ship"], "control": claim["control"]}
     files = []
