@@ -15,6 +15,7 @@ block           needs                features
 ``drift``       base drift_los       drift along and across the leg
 ``speed``                            speed through the water, propeller
 ``effect``                           effect of the rudder at this speed and propeller
+``hold``                             rudder that holds her on her course, by the largest
 ``voyage``      track of one leg     time left and the speed still needed
 ``ship``                             constants of the ship that a bridge knows
 ``products``    other blocks         odd times even features, for linear networks
@@ -31,7 +32,7 @@ from ship_gym.config import ConfigError
 from ship_gym_agents.forms.block import Block
 from ship_gym_agents.forms.motion_blocks import Observation, Observer, Reference, Sea, Soft
 from ship_gym_agents.forms.route_blocks import Drift, Route, Turn, Voyage
-from ship_gym_agents.forms.ship_blocks import Effect, Ship, Speed
+from ship_gym_agents.forms.ship_blocks import Effect, Hold, Ship, Speed
 
 PRODUCTS = "products"  # name of the block that is made from the others
 BLOCKS: dict[str, type[Block]] = {
@@ -48,6 +49,7 @@ BLOCKS: dict[str, type[Block]] = {
         Voyage,
         Speed,
         Effect,
+        Hold,
         Ship,
     )
 }
@@ -60,8 +62,8 @@ _PAIRS: dict[str, tuple[str, ...]] = {
     "sea.coupling": _BIASES,
     "sea.quickness": _BIASES,
     "sea.long_surge": _BIASES,
-    "speed.surge": (*_MOTION, "turn.cross_arc", "turn.bearing_ahead"),
-    "speed.propeller": ("observer.psi", "observer.bias"),
+    "speed.surge": (*_MOTION, "turn.cross_arc", "turn.bearing_ahead", "hold.hard"),
+    "speed.propeller": ("observer.psi", "observer.bias", "hold.rudder", "hold.hard"),
     "effect.effect": _MOTION,
     # only one constant of the ship: with few ships more could not be told from each other
     "ship.time": (*_MOTION, "observer.rudder", "observer.own_rudder", "sea.yaw_rate"),

@@ -15,7 +15,12 @@ from ship_gym.ships.particulars import Ship as Particulars
 from ship_gym.simulation import self_propulsion
 from ship_gym_agents.forms.block import Block
 from ship_gym_agents.forms.look import Look, Sailing
+from ship_gym_agents.fresh import zeroed
 from ship_gym_agents.rudder_effect import RudderEffect
+
+_MEAN = 1.5  # time constant of the means of `Hold` [L / U0]; for kcs 45 s
+_LEAST = 0.3  # effect of the rudder by the nominal one, at about half the speed and propeller
+_NEARLY_ALL = 0.8  # of the rudder
 
 
 class Speed(Block):
@@ -52,6 +57,37 @@ class Effect(Block):
     def restart(self, rows: np.ndarray) -> None:
         """See `Block`."""
         self._effect.restart(rows)
+
+
+class Hold(Block):
+    """Rudder that holds the ship on her course, by the largest: how near she is to losing it.
+
+    `rudder`: mean of the achieved angle, turned into the one that would turn the ship as much at
+    nominal speed and propeller. `hard` rises where an effect of `_LEAST` would ask nearly all of
+    the rudder for it: a ship that a loss of thrust may make fall off her course for good.
+    """
+
+    FEATURES: ClassVar = {"rudder": -1.0, "hard": -1.0}
+    needs = ("surge", "propeller", "rudder")
+
+    def __init__(self, sailing: Sailing):
+        super().__init__(sailing)
+        self._effect = RudderEffect(sailing.ship, sailing.step)
+        self._share = sailing.step / _MEAN
+        self._taken, self._mean = np.zeros(sailing.count), np.zeros(sailing.count)
+
+    def restart(self, rows: np.ndarray) -> None:
+        """See `Block`."""
+        self._effect.restart(rows)
+        self._taken, self._mean = zeroed(self._taken, rows), zeroed(self._mean, rows)
+
+    def values(self, look: Look) -> tuple:
+        """See `Block`."""
+        held = look.seen.rudder * self._effect(look.seen)
+        self._taken = self._taken + 1.0
+        share = np.maximum(self._share, 1.0 / self._taken)
+        self._mean = self._mean + share * (held - self._mean)
+        return 2.0 * self._mean, np.tanh((self._mean / (_NEARLY_ALL * _LEAST)) ** 3)
 
 
 class Ship(Block):

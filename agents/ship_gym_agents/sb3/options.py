@@ -179,6 +179,9 @@ class GaussNewtonOptions:
         Length of an episode [full-scale s]; 0: that of training.
     relative : bool
         Whether an episode weighs the less, the more it costs at the beginning.
+    relative_power : float
+        How much less: exponent of the weight, which is 1 over that cost and the median one. 1: by
+        its share of the cost. Nearer to 0, dear episodes have more to say.
     turn : float
         Headings: weight of the intervals of turns, beside 1 of the steady part.
     band : float
@@ -195,6 +198,7 @@ class GaussNewtonOptions:
     candidates: int
     horizon: float
     relative: bool
+    relative_power: float
     turn: float
     band: float
     overshoot: float
@@ -204,6 +208,7 @@ class GaussNewtonOptions:
             check_number(f"algorithm.{name}", getattr(self, name), 1, 1e6)
         check_number("algorithm.step", self.step, 1e-8, 1.0)
         check_number("algorithm.band", self.band, 1e-2, 180.0, "deg")
+        check_number("algorithm.relative_power", self.relative_power, 0.0, 2.0)
         for name in ("ridge", "price", "horizon", "turn", "overshoot"):
             check_number(f"algorithm.{name}", getattr(self, name), 0.0, 1e6)
 

@@ -189,7 +189,7 @@ class _Search:
         """Weights of the episodes; their weighed mean cost is the plain one."""
         if not self._options.relative:
             return np.ones(len(costs))
-        weights = 1.0 / (costs + np.median(costs) + 1e-12)
+        weights = (costs + np.median(costs) + 1e-12) ** -self._options.relative_power
         return weights * costs.sum() / max((weights * costs).sum(), 1e-12)
 
     def _network(self, vector: np.ndarray) -> Mlp:

@@ -145,6 +145,22 @@ def test_route_drift_speed_and_effect():
         )
 
 
+def test_hold_is_the_mean_rudder_of_the_nominal_ship():
+    """By hand: plain mean of the first 1.5 L/U0, then a low pass of that time constant."""
+    scenario, ship = load_scenario("drill_thrust_loss"), load_ship("kcs")
+    seen = measurements(scenario, COUNT, 2 * LENGTH, seed=7)
+    found, _ = features("adaptive", "drill_thrust_loss", ("hold",), seen)
+    step = 1.0 * ship.speed / ship.hull.L
+    effect, mean, view = RudderEffect(ship, step), 0.0, observation_columns(scenario).view
+    for k, s in enumerate(seen):
+        held = view(s).rudder * effect(view(s))
+        mean = mean + max(step / 1.5, 1.0 / (k + 1)) * (held - mean)
+        assert found["hold.rudder"][k] == pytest.approx(2.0 * mean)
+        # hard is 1 where 0.24 of the rudder at nominal speed are far surpassed
+        assert found["hold.hard"][k] == pytest.approx(np.tanh((mean / 0.24) ** 3))
+    assert 1.5 / step < 2 * LENGTH
+
+
 def test_turn_is_the_way_along_an_arc_into_the_next_leg():
     """By hand: an arc of 2.5 L, 90 deg to starboard, and the headings along it."""
     scenario, R = load_scenario("track_following"), 2.5

@@ -15,7 +15,7 @@ from ship_gym.tasks import TASKS
 from tests.agents.measurements import measurements
 
 COUNT, LENGTH = 4, 30
-MOTION = ("observation", "observer", "reference", "soft", "sea", "speed", "effect", "ship")
+MOTION = ("observation", "observer", "reference", "soft", "sea", "speed", "effect", "hold", "ship")
 TRACK = (*MOTION, "route", "turn")
 # base -> scenario and blocks
 BASES = {

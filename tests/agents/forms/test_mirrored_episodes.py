@@ -12,7 +12,17 @@ from ship_gym.conventions import DELTA, PSI, Y
 from ship_gym.envs.vector_env import ShipVectorEnv
 from tests.conftest import symmetric
 
-HEADING = ("observation", "observer", "reference", "soft", "sea", "speed", "effect", "products")
+HEADING = (
+    "observation",
+    "observer",
+    "reference",
+    "soft",
+    "sea",
+    "speed",
+    "effect",
+    "hold",
+    "products",
+)
 TRACK = ("observation", "observer", "reference", "route", "drift", "speed")
 CALM = {"sea.states": [], "sea.gusts": False, "sea.current_speed": 0.0, "sensors.noise": False}
 POINTS = np.array([[0.0, 0.0], [1200.0, 0.0], [2400.0, 900.0], [4000.0, 900.0]])

@@ -126,6 +126,10 @@ def test_episodes_can_count_by_what_they_cost_at_first(tmp_path):
     train(config, tmp_path / "run", steps=10**9, final=False)
     weights = last_state(tmp_path / "run")["weights"]
     assert weights.max() > 1.5 * weights.min() and np.all(weights > 0.0)
+    halved = config_of(relative=True, relative_power=0.5, iterations=1)
+    train(halved, tmp_path / "halved", steps=10**9, final=False)
+    roots = last_state(tmp_path / "halved")["weights"]
+    np.testing.assert_allclose(roots / roots[0], np.sqrt(weights / weights[0]), rtol=1e-6)
 
 
 def test_policies_are_chosen_with_the_price_of_the_cost(tmp_path):
