@@ -116,7 +116,7 @@ def test_a_policy_refuses_observations_that_it_was_not_trained_with(tmp_path):
         "except ship_gym.config.ConfigError as error:\n    print(error)",
         folder,
     )
-    assert "policy ppo_kcs: trained on 'heading_keeping' with 9 observations" in told
+    assert "policy ppo_kcs: made for other features" in told and "over_ground new" in told
 
 
 @pytest.mark.slow
