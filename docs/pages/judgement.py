@@ -18,7 +18,7 @@ from ship_gym.evaluation import metrics_of, rollout
 from ship_gym.evaluation.comparison import per_episode
 from ship_gym.evaluation.score import normalised
 from ship_gym.evaluation.splits import SPLITS
-from ship_gym.evaluation.statistics import Paired, estimate, holm, interquartile_mean, paired
+from ship_gym.evaluation.statistics import Paired, estimate, holm, interquartile_mean, paired, rate
 from ship_gym.provenance import atomic_path, provenance, sha256
 from ship_gym.scenarios.scenario import load_scenario
 from ship_gym.text import table
@@ -52,6 +52,10 @@ class Claim:
         That of the scenario if omitted.
     shown : tuple of str
         Scenarios reported without a verdict.
+    skip : int
+        First seeds that are left out, because an earlier policy of this name was judged on them.
+    seen : str
+        What the time histories show, in words.
     """
 
     name: str
@@ -68,6 +72,8 @@ class Claim:
     arrive: bool = False
     control: str | None = None
     shown: tuple[str, ...] = ()
+    skip: int = 0
+    seen: str = ""
 
     def __post_init__(self):
         known = metrics_of(load_scenario(self.scenario).task)
@@ -101,16 +107,21 @@ class Sailor:
         self.seeds, self.folder = range(first, first + n), Path(folder)
         self.folder.mkdir(parents=True, exist_ok=True)
 
+    def judged(self, skip: int) -> range:
+        """The judged seeds, without the first `skip` of the split."""
+        return range(self.seeds.start + skip, self.seeds.stop + skip)
+
     def sail(
         self,
         controller: str,
         scenario: str,
         ship: str,
         control: str | None,
+        skip: int = 0,
         seeds: range | None = None,
     ) -> dict[str, np.ndarray]:
-        """Metrics of every episode, nan where one has none."""
-        seeds = self.seeds if seeds is None else seeds
+        """Metrics of every episode, nan where one has none; on `seeds` or the judged ones."""
+        seeds = self.judged(skip) if seeds is None else seeds
         made = make_controller(controller)
         key = "-".join((Path(controller).name, _sha(controller), scenario, ship, control or ""))
         file = self.folder / f"{key}-{seeds.start}-{len(seeds)}.json".replace("/", "_")
@@ -143,15 +154,15 @@ def seeds_of_run(claim: Claim, runs: Path | None) -> list[str]:
 
 
 def plan(claims: Sequence[Claim], runs: Path | None) -> list[tuple]:
-    """Everything to sail on the judged seeds: controller, scenario, ship, control."""
+    """Everything to sail: controller, scenario, ship, control, judged seeds left out."""
     work: dict[tuple, None] = {}
     for claim in claims:
         names = (NOTHING, claim.policy, *claim.against, *seeds_of_run(claim, runs))
         for name in names:
-            work[name, claim.scenario, claim.ship, claim.control] = None
+            work[name, claim.scenario, claim.ship, claim.control, claim.skip] = None
         for scenario in claim.shown:
             for name in (claim.policy, *claim.against):
-                work[name, scenario, claim.ship, claim.control] = None
+                work[name, scenario, claim.ship, claim.control, claim.skip] = None
     return list(work)
 
 
@@ -162,7 +173,7 @@ def opponents(claim: Claim, sailor: Sailor) -> list[str]:
     seeds = range(CHOICE[0], CHOICE[0] + CHOICE[1])
     means = {}
     for name in claim.against:
-        found = sailor.sail(name, claim.scenario, claim.ship, claim.control, seeds)
+        found = sailor.sail(name, claim.scenario, claim.ship, claim.control, seeds=seeds)
         means[name] = _level(found[claim.measure])
     return [min(means, key=lambda name: means[name])]
 
@@ -171,7 +182,7 @@ def judge(claims: Sequence[Claim], sailor: Sailor, runs: Path | None = None) -> 
     """Verdicts, plain values for JSON; p-values are Holm's over all tests of all claims."""
     judged, tests = [], []
     for claim in claims:
-        where = claim.scenario, claim.ship, claim.control
+        where = claim.scenario, claim.ship, claim.control, claim.skip
         names = dict.fromkeys((NOTHING, claim.policy, *claim.against))
         sailed = {name: sailor.sail(name, *where) for name in names}
         own = sailed[claim.policy]
@@ -194,7 +205,7 @@ def judge(claims: Sequence[Claim], sailor: Sailor, runs: Path | None = None) -> 
                 }
                 for scenario in claim.shown
             },
-            "extremes": _extremes(claim, own, sailor.seeds),
+            "extremes": _extremes(claim, own, sailor.judged(claim.skip)),
         }
         for opponent in opponents(claim, sailor):
             for measure, kind in _asked(claim):
@@ -268,14 +279,13 @@ def _level(column: np.ndarray) -> float:
 
 
 def _levels(found: Mapping[str, np.ndarray]) -> dict[str, dict[str, float | None]]:
-    """Interquartile means with intervals; the mean of `success`."""
+    """Interquartile means with intervals; rates of success and arrival."""
     levels = {}
     for name, column in found.items():
         known = column[np.isfinite(column)]
         if len(known):
-            shares = "success", ARRIVED
-            statistic = np.mean if name in shares else interquartile_mean
-            levels[name] = dataclasses.asdict(estimate(known, statistic))
+            of = rate if name in ("success", ARRIVED) else estimate
+            levels[name] = dataclasses.asdict(of(known))
     return levels
 
 

@@ -28,8 +28,7 @@ that was best on other seeds. Differences are paired, seed by seed: interquartil
 which a few lost episodes do not decide, and beside them the differences of the means. p-values are
 those of the sign-flip test, corrected by Holm over the {tests} tests of this page. A policy that
 fails in more than {failures} episode more than its opponent does not hold its claim either. A claim
-that does not hold stands here like one that does.
-"""
+that does not hold stands here like one that does."""
 _SHOWN = ("success", "rudder_travel", "rudder_reversals")
 
 
@@ -94,8 +93,17 @@ def _section(claim: Mapping[str, Any], pictures: Sequence[str]) -> str:
         parts += [_levels(spread, names, units)]
     for scenario, levels in claim["shown_levels"].items():
         parts += [f"As it is, in `{scenario}`:", _levels(levels, names, units)]
-    for picture, (which, seed) in zip(pictures, claim["extremes"].items(), strict=True):
-        parts.append(f"![The {which} of its episodes, seed {seed}]({picture})")
+    extremes = claim["extremes"].items()
+    header = [f"{which} of its episodes, seed {seed}" for which, seed in extremes]
+    cells = [f"![{which}]({picture})" for picture, which in zip(pictures, header, strict=True)]
+    parts.append(table(header, [cells], markdown=True))
+    if claim["seen"]:
+        parts.append(claim["seen"])
+    if claim["skip"]:
+        parts.append(
+            f"On the next seeds of the split: an earlier policy of this name was judged on the "
+            f"first {claim['skip']}."
+        )
     return "\n\n".join(parts)
 
 

@@ -54,6 +54,13 @@ def test_a_shipped_policy_is_beside_the_usual_controller_of_its_task(name):
     assert own < 1.1 * usual and success >= usual_success
 
 
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_shipped_policy_has_learned_something(name):
+    """A run that found nothing keeps its base as the best policy."""
+    network = make_controller(name).network
+    assert max(np.abs(weight).max() for weight in network.weights) > 1e-3
+
+
 def test_two_minutes_of_plain_ppo_come_within_ten_percent_of_the_pid():
     seeds, policy = evaluation_seeds(32), make_controller(NAIVE)
     J, travel = means(policy, seeds, ["J_0.1", "rudder_travel"])
