@@ -14,6 +14,7 @@ from _cli import parser, progress, run, show
 
 from pages import judgement
 from pages.policies_page import write_page
+from ship_gym.provenance import atomic_path
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = (
@@ -45,8 +46,8 @@ def main() -> None:
     files = []
     if args.page:
         files = write_page(judged, sailor, args.split, ROOT / "docs" / "policies.md")
-    with (args.run / f"judged_{args.split}.json").open("w", encoding="utf-8") as file:
-        json.dump(judged, file, indent=1)
+    with atomic_path(args.run / f"judged_{args.split}.json") as temporary:
+        temporary.write_text(json.dumps(judged, indent=1) + "\n", encoding="utf-8")
     text = judgement.told(judged)
     show(args.json, {"claims": judged, "files": [str(f) for f in files]}, text)
 

@@ -50,6 +50,11 @@ def paragraph(text: str, indent: str = "  ") -> str:
     return textwrap.fill(text, WIDTH, subsequent_indent=indent, break_on_hyphens=False)
 
 
+def signed_interval(value: float, low: float, high: float) -> str:
+    """A difference with its interval."""
+    return f"{value:+.3g} [{low:+.3g}, {high:+.3g}]"
+
+
 def percent(value: float | None) -> str:
     """Signed percentage, or nothing."""
     return "" if value is None else f"{value:+.1f} %"

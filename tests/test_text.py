@@ -2,7 +2,7 @@
 
 import pytest
 
-from ship_gym.text import table
+from ship_gym.text import signed_interval, table
 
 
 def test_plain_columns_are_aligned():
@@ -22,3 +22,7 @@ def test_markdown_escapes_bars():
 def test_ragged_rows_are_refused():
     with pytest.raises(ValueError, match="2 cells"):
         table(("A", "B"), [["only one"]])
+
+
+def test_a_difference_tells_its_sign():
+    assert signed_interval(0.01234, -0.5, 2000.0) == "+0.0123 [-0.5, +2e+03]"

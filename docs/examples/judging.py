@@ -16,6 +16,7 @@ from ship_gym_agents import make_controller
 from ship_gym.evaluation import compare, evaluation_seeds, rollout
 from ship_gym.scenarios.scenario import load_scenario
 from ship_gym.tasks import TASKS
+from ship_gym.text import signed_interval
 
 MeanAction = Callable[[torch.Tensor], torch.Tensor]
 
@@ -99,7 +100,7 @@ def in_words(judged: dict[str, Any], name: str) -> str:
             d = row["difference"]
             words = (
                 f"{row[name]:.4g} against {row[other]:.4g} {row['unit']}, "
-                f"paired difference {d['value']:+.3g} [{d['low']:+.3g}, {d['high']:+.3g}]"
+                f"paired difference {signed_interval(d['value'], d['low'], d['high'])}"
             )
         lines.append(f"  {metric}: {words}")
     return "\n".join(lines)

@@ -21,7 +21,7 @@ from ship_gym.evaluation.splits import SPLITS
 from ship_gym.evaluation.statistics import Paired, estimate, holm, interquartile_mean, paired, rate
 from ship_gym.provenance import atomic_path, provenance, sha256
 from ship_gym.scenarios.scenario import load_scenario
-from ship_gym.text import table
+from ship_gym.text import signed_interval, table
 
 CHOICE = (1_500_000, 64)  # first seed and number of those that choose the opponent: tuning seeds
 NOTHING = "constant"
@@ -262,9 +262,8 @@ def _beside(result: Mapping[str, Any]) -> bool:
         return False
     if result["arrive"] and result["not_arrived"]:
         return False
-    scores = result["score"]
-    best = max(scores[name] or 0.0 for name in result["against"])
-    return result["points"] == 0.0 or (scores[result["policy"]] or 0.0) >= best - result["points"]
+    score = result["score"][result["policy"]] or 0.0  # that of the best classical one is 100
+    return result["points"] == 0.0 or score >= 100.0 - result["points"]
 
 
 def _scores(claim: Claim, sailed: Mapping[str, dict]) -> dict[str, float | None]:
@@ -314,7 +313,7 @@ def told(judged: Sequence[Mapping[str, Any]]) -> str:
                     test["measure"],
                     test["opponent"],
                     f"{test['theirs']:.4g}",
-                    f"{test['value']:+.3g} [{test['low']:+.3g}, {test['high']:+.3g}]",
+                    signed_interval(test["value"], test["low"], test["high"]),
                     f"{test['p_holm']:.3f}",
                     "holds" if test["holds"] else "does not hold",
                 ]

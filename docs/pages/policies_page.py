@@ -14,7 +14,7 @@ from ship_gym.plotting.benchmark import styles
 from ship_gym.plotting.benchmark_episode import plot_episode
 from ship_gym.provenance import atomic_path
 from ship_gym.scenarios.scenario import load_scenario
-from ship_gym.text import table
+from ship_gym.text import signed_interval, table
 
 _HEAD = """<!-- Written by scripts/judge_policies.py --page; run it again instead of editing. -->
 
@@ -148,7 +148,7 @@ def _tests(tests: Sequence[Mapping[str, Any]], units) -> str:
 
 
 def _difference(found: Mapping[str, float]) -> str:
-    return f"{found['value']:+.3g} [{found['low']:+.3g}, {found['high']:+.3g}]"
+    return signed_interval(found["value"], found["low"], found["high"])
 
 
 def _cell(found: Mapping[str, float | None] | None) -> str:

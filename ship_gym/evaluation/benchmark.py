@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import check_known, check_number
-from ship_gym.evaluation.engines import ENGINES, engine_of
+from ship_gym.config import check_number
+from ship_gym.evaluation.engines import engine_of
 from ship_gym.evaluation.episodes_table import Results, arrow, table_of, write_results
 from ship_gym.evaluation.plan import PATIENCE, Plan, Progress, plan
 from ship_gym.evaluation.run_folder import RunFolder
@@ -75,10 +75,9 @@ def benchmark(
     ImportError
         A library is missing; says how to install it.
     """
-    check_known("engine", engine, ENGINES)
     jobs = int(check_number("jobs", jobs, 1, 1024))
-    arrow()  # refuses before the work
     sail = engine_of(engine, jobs, address)
+    arrow()  # refuses before the work
     made = plan(
         suite, entrant, controllers=controllers, ships=ships, seeds=seeds, patience=patience,
         progress=progress,

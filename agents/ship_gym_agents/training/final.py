@@ -16,6 +16,7 @@ from ship_gym.evaluation.splits import JUDGING_SEED
 from ship_gym.evaluation.statistics import paired
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.tasks import TASKS
+from ship_gym.text import signed_interval
 from ship_gym_agents.controllers import make_controller
 from ship_gym_agents.training.score import Score, Validation, validate
 
@@ -140,8 +141,7 @@ def _against(name: str, other: Mapping[str, Any], score: Score) -> str:
 
 
 def _interval(found: Mapping[str, float]) -> str:
-    values = [f"{found[key]:+.3g}" for key in ("value", "low", "high")]
-    return f"{values[0]} [{values[1]}, {values[2]}]"
+    return signed_interval(found["value"], found["low"], found["high"])
 
 
 def _shown(value: float | None) -> str:

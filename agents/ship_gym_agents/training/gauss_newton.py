@@ -53,16 +53,12 @@ def learn(
     """
     search = _Search(run, init)
     progress = Progress(run, bar)
-    try:
+    with run.broken_off(lambda: search.samples, search.save):
         run.begin(search.policy, search.save)
         while search.goes_on and run.budget.used(search.samples) < 1.0:
             search.iterate(lambda: progress.show(search.samples, search.told))
             run.between(search.samples, search.policy, search.save, **search.told())
         return run.end(search.samples, search.policy, search.save, judge, **search.told())
-    except BaseException as stop:
-        status = "interrupted" if isinstance(stop, KeyboardInterrupt) else "stopped"
-        run.break_off(status, search.samples, search.save)
-        raise
 
 
 class _Search:
@@ -144,7 +140,7 @@ class _Search:
         """The present policy."""
         self._need_normaliser()
         helm = self._voyages.helm
-        card = {"name": f"gauss_newton-{self._run.folder.path.name}"}
+        card = {"name": self._run.name}
         card |= {"features": list(helm.names), "decisions": list(helm.decisions)}
         return Policy(self._voyages.form, self._normaliser, self._network(self._vector), card)
 

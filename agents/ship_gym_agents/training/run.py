@@ -7,8 +7,9 @@ can be lost by a kill is what was learned since the last checkpoint.
 
 from __future__ import annotations
 
+import contextlib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from ship_gym.evaluation.splits import VALIDATION_SEED
 from ship_gym.provenance import provenance
 from ship_gym_agents.controllers import make_controller
 from ship_gym_agents.policies.policy_file import POLICY_FILE, load_policy, save_policy
-from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, is_config_of, plain
+from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, check_free, is_config_of, plain
 from ship_gym_agents.training.budget import Budget
 from ship_gym_agents.training.curves import write_curve
 from ship_gym_agents.training.run_folder import CURVE_FILE, TrainingFolder
@@ -84,8 +85,7 @@ class Run:
                 f"{folder.path}: its budget is used up ({self.samples} samples, "
                 f"{self.budget.seconds / 60.0:.2f} min); give more minutes or steps in all"
             )
-        wear = config.hyperparameters.training.wear
-        self.score = score_of(config.scenario)._replace(wear=wear)
+        self.score = score_of(config.scenario, config.hyperparameters.training.wear)
         if state:
             self.score = self.score._replace(limit=state["limit"])
         self.episodes = state["episodes"] if state else EPISODES[0]
@@ -99,9 +99,9 @@ class Run:
 
     def _earlier(self, resume: bool) -> dict[str, Any] | None:
         """State of the run to resume; None: it begins."""
+        if not resume:
+            check_free(self.folder.path)
         card = self.folder.card()
-        if not resume and card is not None:
-            raise ConfigError(f"{self.folder.path} holds a run; resume it or choose another folder")
         if card is not None and not is_config_of(self.folder.path, self.config):
             raise ConfigError(
                 f"{self.folder.path}: cannot resume with another config than in {CARD_FILE}"
@@ -111,6 +111,11 @@ class Run:
         if state is None:
             self.folder.clear()
         return state
+
+    @property
+    def name(self) -> str:
+        """Name of the run and of its policy."""
+        return f"{self.config.algorithm}-{self.folder.name}"
 
     @property
     def used(self) -> float:
@@ -261,12 +266,27 @@ class Run:
             self._report(1.0, found[self.score.name])
         return self.write("complete")
 
-    def break_off(self, status: str, samples: int, save: Callable[[Path], None]) -> None:
-        """Keep what there is of a run that ends early."""
-        self.samples = samples
-        with self.budget.uncharged():
-            self._keep(save)
-            self.write(status)
+    @contextlib.contextmanager
+    def broken_off(
+        self, samples: Callable[[], int], save: Callable[[Path], None]
+    ) -> Iterator[None]:
+        """Keep what there is of a run that ends early, and let on what ended it.
+
+        Parameters
+        ----------
+        samples : callable
+            Gives those so far.
+        save : callable
+            As of `between`.
+        """
+        try:
+            yield
+        except BaseException as stop:
+            self.samples = samples()
+            with self.budget.uncharged():
+                self._keep(save)
+                self.write(status_of(stop))
+            raise
 
     def _save_best(self, status: str) -> None:
         self.best.card = {**self.best.card, **self._card(status)}
@@ -281,7 +301,7 @@ class Run:
     def _card(self, status: str) -> dict[str, Any]:
         budget = self.budget
         card = {
-            "name": f"{self.config.algorithm}-{self.folder.name}",
+            "name": self.name,
             "status": status,
             "config": plain(self.config),
             "budget": {"minutes": budget.minutes, "steps": budget.steps},
@@ -296,6 +316,11 @@ class Run:
         }
         told = {"best": self.chosen, "final": self.final}
         return card | {key: value for key, value in told.items() if value is not None}
+
+
+def status_of(stop: BaseException) -> str:
+    """Status of a run that this ended early."""
+    return "interrupted" if isinstance(stop, KeyboardInterrupt) else "stopped"
 
 
 def _seeds(count: int) -> list[int]:

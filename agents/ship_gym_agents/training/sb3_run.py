@@ -101,7 +101,7 @@ class SB3Run:
 
     def policy(self) -> Policy:
         """The present policy."""
-        card = {"name": f"{self.config.algorithm}-{self.run.folder.name}"}
+        card = {"name": self.run.name}
         return export(self.model, self.config.algorithm, self.hyper, card)
 
     def save(self, folder: Path) -> None:
@@ -125,7 +125,7 @@ class SB3Run:
             self.told,
             bar,
         )
-        try:
+        with run.broken_off(lambda: self.model.num_timesteps, self.save):
             self.model.learn(
                 (run.budget.steps or _ENDLESS) - self.model.num_timesteps,
                 callback=supervisor,
@@ -133,10 +133,6 @@ class SB3Run:
                 tb_log_name=self.config.algorithm,
             )
             return run.end(self.model.num_timesteps, self.policy, self.save, judge, **self.told())
-        except BaseException as stop:
-            status = "interrupted" if isinstance(stop, KeyboardInterrupt) else "stopped"
-            run.break_off(status, self.model.num_timesteps, self.save)
-            raise
 
 
 def _compile_kernels(config: RunConfig) -> None:

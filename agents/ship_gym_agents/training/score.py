@@ -61,12 +61,19 @@ class Score(NamedTuple):
         )
 
 
-def score_of(scenario: Scenario) -> Score:
-    """The score of a scenario: the headline of its task; the energy of a voyage at free speed."""
+def score_of(scenario: Scenario, wear: float = 0.0) -> Score:
+    """The score of a scenario: the headline of its task; the energy of a voyage at free speed.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    wear : float
+        See `Score`.
+    """
     known, name = metrics_of(scenario.task), TASKS[scenario.task].headline
     if scenario.control == "rudder+rpm" and _ENERGY in known:
         name = _ENERGY
-    return Score(name, known[name].unit, known[name].better)
+    return Score(name, known[name].unit, known[name].better, wear=wear)
 
 
 class Validation(NamedTuple):

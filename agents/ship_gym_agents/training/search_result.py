@@ -13,7 +13,7 @@ from typing import Any
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.statistics import paired
 from ship_gym.provenance import atomic_path
-from ship_gym.text import table
+from ship_gym.text import signed_interval, table
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.sb3.sections import load_hyperparameters
 from ship_gym_agents.training.score import Score, score_of
@@ -182,7 +182,7 @@ def _short(value: Any) -> str:
 
 
 def _interval(found: Any) -> str:
-    return "-" if found is None else f"{found.value:+.3g} [{found.low:+.3g}, {found.high:+.3g}]"
+    return "-" if found is None else signed_interval(found.value, found.low, found.high)
 
 
 def confirmed(

@@ -21,9 +21,10 @@ from ship_gym.config import ConfigError, check_number
 from ship_gym.evaluation.engines import begin_worker
 from ship_gym.provenance import atomic_path, provenance
 from ship_gym_agents.policies.policy_file import POLICY_FILE
-from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, is_config_of, plain
+from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, check_free, is_config_of, plain
 from ship_gym_agents.training.budget import Budget
 from ship_gym_agents.training.curves import draw_curves
+from ship_gym_agents.training.run import status_of
 from ship_gym_agents.training.run_folder import TrainingFolder
 from ship_gym_agents.training.score import Score, score_of
 from ship_gym_agents.training.train import beginning, need_libraries, train
@@ -74,6 +75,7 @@ def train_seeds(
     Budget(minutes, steps)
     need_libraries(config.algorithm)
     folder = TrainingFolder(out)
+    score = score_of(config.scenario, config.hyperparameters.training.wear)
     with folder.locked():
         _check_earlier(folder, config, count, resume)
         init = beginning(folder, init, resume)
@@ -93,14 +95,13 @@ def train_seeds(
         try:
             cards = _all(_parts(config, folder.path, count), options, jobs, bar)
         except BaseException as stop:
-            status = "interrupted" if isinstance(stop, KeyboardInterrupt) else "stopped"
-            folder.write_card(card | {"status": status})
+            folder.write_card(card | {"status": status_of(stop)})
             if isinstance(stop, ConfigError) and not any(folder.path.glob(f"seed_*/{CARD_FILE}")):
                 folder.free()
             raise
         finally:
             draw_curves(folder.path, sorted(folder.path.glob("seed_*")))
-        card |= {"status": "complete", **summarised(cards, _score(config))}
+        card |= {"status": "complete", **summarised(cards, score)}
         with atomic_path(folder.path / SUMMARY_FILE) as temporary:
             temporary.write_text(json.dumps(card, indent=1) + "\n", encoding="utf-8")
         best = folder.path / f"seed_{card['median']['place']}" / POLICY_FILE
@@ -111,11 +112,11 @@ def train_seeds(
 
 
 def _check_earlier(folder: TrainingFolder, config: RunConfig, count: int, resume: bool) -> None:
+    if not resume:
+        check_free(folder.path)
     card = folder.card()
     if card is None:
         return
-    if not resume:
-        raise ConfigError(f"{folder.path} holds a run; resume it or choose another folder")
     if card.get("seeds") != count or not is_config_of(folder.path, config):
         raise ConfigError(
             f"{folder.path}: cannot resume with another config or number of seeds than in "
@@ -216,10 +217,6 @@ def _show(bar: Any, folders: Sequence[Path]) -> None:
         cards = [TrainingFolder(folder).card() or {} for folder in folders]
         share = sum(card.get("used", 0.0) for card in cards) / len(cards)
         bar.update(int(share * bar.total) - bar.n)
-
-
-def _score(config: RunConfig) -> Score:
-    return score_of(config.scenario)._replace(wear=config.hyperparameters.training.wear)
 
 
 def summarised(cards: Sequence[dict[str, Any]], score: Score) -> dict[str, Any]:
