@@ -60,7 +60,8 @@ class Run:
     Raises
     ------
     ConfigError
-        A folder that holds a run, another config than the run's, or a budget that is used up.
+        A folder that holds a run, another config than the run's, or a budget that is used up by a
+        run that has ended; one that was killed after its last sample goes on to its end.
     """
 
     def __init__(
@@ -80,7 +81,7 @@ class Run:
         self.samples = state["samples"] if state else 0
         self.validations: list[dict[str, Any]] = state["validations"] if state else []
         self.budget = Budget(minutes, steps, state["seconds"] if state else 0.0)
-        if self.used >= 1.0:
+        if self.used >= 1.0 and self._ended:
             raise ConfigError(
                 f"{folder.path}: its budget is used up ({self.samples} samples, "
                 f"{self.budget.seconds / 60.0:.2f} min); give more minutes or steps in all"
@@ -106,6 +107,7 @@ class Run:
             raise ConfigError(
                 f"{self.folder.path}: cannot resume with another config than in {CARD_FILE}"
             )
+        self._ended = card is not None and card["status"] == "complete"
         self._of_before = {key: card[key] for key in ("command", "init") if key in (card or {})}
         state = self.folder.state()
         if state is None:
@@ -257,7 +259,9 @@ class Run:
         """Validate the last policy, judge the best one, write everything; returns the card."""
         self.samples = samples
         with self.budget.uncharged():
-            found = self._validate(policy(), learner)
+            found = self.last
+            if found is None or found["samples"] != samples:  # else it was killed in its end
+                found = self._validate(policy(), learner)
             self._keep(save)
             if judge is not None:
                 self.final = judge(self.best)

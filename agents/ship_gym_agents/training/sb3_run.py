@@ -126,12 +126,13 @@ class SB3Run:
             bar,
         )
         with run.broken_off(lambda: self.model.num_timesteps, self.save):
-            self.model.learn(
-                (run.budget.steps or _ENDLESS) - self.model.num_timesteps,
-                callback=supervisor,
-                reset_num_timesteps=self.model.num_timesteps == 0,
-                tb_log_name=self.config.algorithm,
-            )
+            if run.used < 1.0:  # else only its end is left
+                self.model.learn(
+                    (run.budget.steps or _ENDLESS) - self.model.num_timesteps,
+                    callback=supervisor,
+                    reset_num_timesteps=self.model.num_timesteps == 0,
+                    tb_log_name=self.config.algorithm,
+                )
             return run.end(self.model.num_timesteps, self.policy, self.save, judge, **self.told())
 
 

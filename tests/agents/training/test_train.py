@@ -78,6 +78,27 @@ def refused(config, out, card):
     assert not (out.with_name("nothing") / "card.json").exists()
 
 
+@pytest.mark.parametrize("kill", [KeyboardInterrupt, MemoryError])
+def test_a_run_that_is_killed_in_its_end_goes_on_to_it(tiny, tmp_path, monkeypatch, kill):
+    from ship_gym_agents.training import train as module
+
+    def killed(*_):
+        raise kill
+
+    out, judge = tmp_path / "run", module.judge
+    monkeypatch.setattr(module, "judge", killed)
+    with pytest.raises(kill):
+        train(tiny(), out, steps=256)
+    before = json.loads((out / "card.json").read_text())
+    assert before["status"] != "complete" and before["used"] == 1.0
+    monkeypatch.setattr(module, "judge", judge)
+    card = train(tiny(), out, steps=256, resume=True)
+    assert card["status"] == "complete" and card["samples"] == 256 and card["final"]
+    assert card["validations"] == before["validations"] and card["best"] == before["best"]
+    with pytest.raises(ConfigError, match="used up"):
+        train(tiny(), out, steps=256, resume=True)
+
+
 def test_validation_seas_are_not_trained_on(tiny, tmp_path):
     run = begun(tiny(), tmp_path / "run", 10)
     assert max(run.model.get_env().unwrapped._seeds) < VALIDATION_SEED
