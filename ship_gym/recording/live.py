@@ -106,7 +106,8 @@ class LiveView:
         self._append(row)
         trajectory = self._trajectory()
         self._out.fixed = self._anything_new(trajectory)
-        self._rerun.send(self._out, trajectory)
+        self._rerun.log_record(self._out, trajectory)
+        self._rerun.send_picture(self._out, trajectory)
 
     def close(self) -> None:
         """End the episode and close the file; the viewer stays open."""

@@ -136,7 +136,10 @@ def test_rewritten_and_split_file_still_reads(tmp_path):
     assert same(run, Trajectory.from_rrd(tmp_path / "again.rrd"))
 
 
-@pytest.mark.parametrize("step", ["_log_scene", "_log_panel", "_blueprint", "_check_written"])
+@pytest.mark.parametrize(
+    "step",
+    ["picture._log_scene", "picture._log_panel", "picture.blueprint", "rrd_file._check_written"],
+)
 def test_interrupted_write_leaves_the_old_file(tmp_path, monkeypatch, step):
     path = tmp_path / "run.rrd"
     path.write_bytes(b"old")
@@ -144,7 +147,7 @@ def test_interrupted_write_leaves_the_old_file(tmp_path, monkeypatch, step):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(rerun_export, step, interrupt)
+    monkeypatch.setattr(f"{rerun_export.__name__}.{step}", interrupt)
     with pytest.raises(KeyboardInterrupt):
         steered_run().to_rrd(path)
     assert path.read_bytes() == b"old"
@@ -152,7 +155,7 @@ def test_interrupted_write_leaves_the_old_file(tmp_path, monkeypatch, step):
 
 
 def test_incomplete_file_is_noticed(tmp_path, monkeypatch):
-    monkeypatch.setattr(rerun_export, "_log_record", lambda *_: None)
+    monkeypatch.setattr(rerun_export.rrd_file, "log_record", lambda *_: None)
     with pytest.raises(OSError, match="could not be written"):
         steered_run().to_rrd(tmp_path / "run.rrd")
     assert os.listdir(tmp_path) == []
