@@ -104,7 +104,8 @@ def test_missing_rerun_says_what_to_install(tmp_path, monkeypatch):
     import ship_gym.recording as recording
 
     monkeypatch.delattr(recording, "rerun_export", raising=False)
-    monkeypatch.delitem(sys.modules, "ship_gym.recording.rerun_export", raising=False)
+    for name in [k for k in sys.modules if k.startswith("ship_gym.recording.rerun_export")]:
+        monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "rerun", None)
     with pytest.raises(ImportError, match=r'pip install "ship-gym\[rerun\]"'):
         Trajectory({"t": T}).to_rrd(tmp_path / "run.rrd")
