@@ -1,9 +1,9 @@
 """The record in a rerun file: exact columns and meta, written sealed and read back verified.
 
 Entity ``/record/meta`` holds the head as JSON: names of the columns, checksums, the meta, and those
-columns that stay the same; ``/record`` holds the others as float64. The rest of the file is what
-the viewer shows, drawn from them (``picture``). The record comes first and in pieces, so that a
-file that was cut still gives its first rows.
+columns that stay the same; ``/record`` holds rows of the others, float64 in the order of their
+names. The rest of the file is what the viewer shows, drawn from them (``picture``). The record
+comes first and in pieces, so that a file that was cut still gives its first rows.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from rerun.chunk import Chunk, RrdReader
 from rerun.error_utils import RerunWarning
 
 from ship_gym.provenance import atomic_path
-from ship_gym.recording.rerun_export.log import TIMELINE, Output, send_rows
+from ship_gym.recording.rerun_export.log import TIMELINE, Output
 from ship_gym.recording.rerun_export.picture import send_picture
 from ship_gym.recording.sealed import DamagedRecording, seal, verify
 from ship_gym.recording.trajectory import Trajectory
 
 _FORMAT = 2  # of /record; a reader refuses what it does not know
-_PIECE = 256  # rows that go together; each piece costs some 5 kB
+_PIECE = 200  # rows that go together; each piece costs some 3 kB
 # Prefixes keep our names apart from rerun's own, and from each other: within one process rerun
 # remembers the type of every component name.
-_COLUMN, _HEAD = "ShipGymColumn", "ShipGymHead"
+_HEAD, _ROWS = "ShipGymHead", "ShipGymRecord"
 
 
 def write_rrd(trajectory: Trajectory, path: str | os.PathLike, *, picture: bool = True) -> None:
@@ -91,17 +91,18 @@ def log_record(out: Output, trajectory: Trajectory) -> None:
         "meta": trajectory.meta,
     }
     text = json.dumps(head | {"meta_checksum": _head_checksum(head)})
-    head_column = rr.DynamicArchetype.columns(archetype=_HEAD, components={"json": [text]})
-    rr.send_columns("record/meta", [], head_column, recording=out.stream, strict=True)
-    moving = {name: v for name, v in trajectory.columns.items() if name not in fixed}
-    for start in range(0, len(trajectory), _PIECE):
-        piece = {name: values[start : start + _PIECE] for name, values in moving.items()}
-
-        def rows(new, piece=piece):
-            columns = {name: values[new] for name, values in piece.items()}
-            return rr.DynamicArchetype.columns(archetype=_COLUMN, components=columns)
-
-        send_rows(out, "record", piece["t"], rows)
+    # Sent as columns, which keep the order; ``log`` hands on to a thread that waits for more.
+    column = rr.DynamicArchetype.columns(archetype=_HEAD, components={"json": [text]})
+    rr.send_columns("record/meta", [], column, recording=out.stream, strict=True)
+    moving = [values for name, values in trajectory.columns.items() if name not in fixed]
+    table, what = np.stack(moving, axis=1), rr.ComponentDescriptor(f"{_ROWS}:rows", archetype=_ROWS)
+    for start in range(0, len(table), _PIECE):
+        rows = table[start : start + _PIECE]
+        values = rr.components.ScalarBatch(rows.ravel())
+        column = rr.ComponentColumn(what, values, lengths=np.full(len(rows), rows.shape[1]))
+        times = np.round(rows[:, 0] * 1e9).astype("timedelta64[ns]")
+        clock = rr.TimeColumn(TIMELINE, duration=times)
+        rr.send_columns("record", [clock], [column], recording=out.stream, strict=True)
 
 
 def read_rrd(
@@ -155,11 +156,8 @@ def read_chunks(path: str | os.PathLike) -> list[Chunk]:
 def _decoded(chunks: list[Chunk], path: str | os.PathLike, complete: bool):
     """Columns and meta of the record, compared with their checksums."""
     head = _head(chunks, path)
-    batches = [chunk.to_record_batch() for chunk in chunks if chunk.entity_path == "/record"]
-    if not batches:
-        raise DamagedRecording(f"{path} was cut off before its first rows")
     moving = [name for name in head["columns"] if name not in head["fixed"]]
-    read = {name: _read_column(batches, name) for name in moving}
+    read = dict(zip(moving, _rows(chunks, len(moving), path).T.copy(), strict=True))
     count = len(read["t"])
     read |= {name: np.full(count, value) for name, value in head["fixed"].items()}
     columns = {name: read[name] for name in head["columns"]}
@@ -181,18 +179,18 @@ def _head(chunks: list[Chunk], path: str | os.PathLike) -> dict:
     return head
 
 
-def _read_column(batches: list, name: str) -> np.ndarray:
-    """Join one column over its pieces; rerun's tools may have split and reordered the file."""
-    times, values = [], []
-    for batch in batches:
-        if f"{_COLUMN}:{name}" in batch.schema.names:
-            column = batch.column(f"{_COLUMN}:{name}")
-            times.append(batch.column(TIMELINE).cast("int64").to_numpy()[column.is_valid()])
-            values.append(column.flatten().to_numpy())
-    if not values:
-        return np.empty(0)
+def _rows(chunks: list[Chunk], width: int, path: str | os.PathLike) -> np.ndarray:
+    """Rows of the record in order; rerun's tools may have split and reordered the file."""
+    batches = [chunk.to_record_batch() for chunk in chunks if chunk.entity_path == "/record"]
+    if not batches:
+        raise DamagedRecording(f"{path} was cut off before its first rows")
+    times = [batch.column(TIMELINE).cast("int64").to_numpy() for batch in batches]
+    values = [batch.column(f"{_ROWS}:rows").flatten().to_numpy() for batch in batches]
     order = np.argsort(np.concatenate(times), kind="stable")
-    return np.concatenate(values)[order]
+    table = np.concatenate(values)
+    if len(table) != width * len(order):
+        raise DamagedRecording(f"{path}: its rows do not have {width} columns each")
+    return table.reshape(-1, width)[order]
 
 
 def _stays(name: str, values: np.ndarray) -> bool:
@@ -223,10 +221,13 @@ def _check_record(record: bytes, trajectory: Trajectory) -> None:
 
 def _verified_chunks(data: bytes, path: str | os.PathLike) -> list[Chunk]:
     """Chunks of these bytes, by a file that holds nothing else: rerun's reader takes only files."""
-    with tempfile.TemporaryDirectory(prefix="ship-gym-") as folder:
-        copy = Path(folder) / "recording.rrd"
-        copy.write_bytes(data)
-        return _chunks(copy, path)
+    handle, name = tempfile.mkstemp(prefix="ship-gym-", suffix=".rrd")
+    try:
+        with open(handle, "wb") as copy:
+            copy.write(data)
+        return _chunks(name, path)
+    finally:
+        os.unlink(name)
 
 
 def _chunks(file: str | os.PathLike, path: str | os.PathLike) -> list[Chunk]:
