@@ -130,17 +130,16 @@ def _limits(trajectory: Trajectory) -> Iterator[Mark]:
         if name in trajectory:
             outside = trajectory[name]
             for first, last, text in _longest(trajectory, outside > 0.0, most=1):
-                largest = f"by up to {100.0 * outside[first : last + 1].max():.2g} % of {whole}"
+                largest = f"by up to {100.0 * outside[first : last + 1].max():.0f} % of {whole}"
                 yield Mark(float(trajectory["t"][first]), "limit", f"{what}, {text}, {largest}")
 
 
 def _beyond(trajectory: Trajectory) -> Iterator[tuple[str, np.ndarray]]:
     """What is beyond a limit, and in which rows."""
     ship, columns = section(trajectory.meta, "ship"), trajectory.columns
-    corridor = section(trajectory.meta, "config", "limits").get("corridor")  # [L]
-    if corridor is not None and "off_route" in columns and "L" in ship:
-        width = corridor * ship["L"]
-        yield f"outside the corridor of {width:.3g} m", np.abs(columns["off_route"]) > width
+    corridor = section(trajectory.meta, "limits").get("corridor")  # [m]
+    if corridor is not None and "off_route" in columns:
+        yield f"outside the corridor of {corridor:.3g} m", np.abs(columns["off_route"]) > corridor
     if {"u", "v", "psi"} <= columns.keys() and ship.get("speed"):
         slow = _speed(columns) < _SLOW * ship["speed"]
         yield "slower through the water than half the nominal speed", slow
