@@ -41,15 +41,15 @@ def command(as_json, policies, controllers, task, episodes, out, markdown, **opt
     Intervals: 95 % bootstrap over the episodes.
     """
     from ship_gym.evaluation import compare, evaluation_seeds, table
-    from ship_gym_agents.cli.output import next_command, show
+    from ship_gym_agents.cli.output import next_command, place, show
     from ship_gym_agents.cli.sailing import again
 
+    out = place(out, _folder(policies) / "evaluation.json")
     seeds = evaluation_seeds(episodes)
     named, rollouts = _sail(list(policies), list(controllers), seeds, task, options)
     sailed = [r.controller for r in rollouts]
     usual = rollouts[0].task.controllers[0]
     found = compare(rollouts, usual if usual in sailed else None)
-    out = out or _folder(policies) / "evaluation.json"
     _write(found, out)
     first = {"policy": policies[0]} if policies else {"controller": named[0]}
     following = next_command("record", **first, **again(options, task))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shlex
 import sys
 from collections.abc import Callable, Iterable, Mapping
@@ -31,18 +32,40 @@ def run(main: Callable[[], Any]) -> None:
     """Call `main`; an error a user can mend is one line on stderr and exit code 2."""
     try:
         main()
+        _flush()
     except (KeyboardInterrupt, click.Abort) as stop:  # click's stands for one that says more
         sys.exit(_refuse(str(stop.__cause__ or stop) or "interrupted"))
     except click.ClickException as error:
         sys.exit(_refuse(f"error: {error.format_message()}"))
-    except (ImportError, OSError) as error:
-        sys.exit(_refuse(f"error: {error}"))
-    except ValueError as error:
-        from ship_gym.config import ConfigError  # late: it imports Gymnasium
-
-        if not isinstance(error, ConfigError):
+    except Exception as error:
+        if not (text := _in_words(error)):
             raise
-        sys.exit(_refuse(f"error: {error}"))
+        sys.exit(_refuse(f"error: {text}"))
+
+
+def _in_words(error: Exception) -> str:
+    """An error that a user can mend, in words; empty for one that only a programmer can."""
+    from ship_gym.config import ConfigError  # late: it imports Gymnasium
+    from ship_gym.provenance import DiskFull, no_space
+
+    if not isinstance(error, DiskFull) and (reason := no_space(error)):
+        where = getattr(error, "filename", None)
+        return f"{where}: {reason}" if where else f"{reason}; what was being written is not whole"
+    return str(error) if isinstance(error, ConfigError | ImportError | OSError) else ""
+
+
+def _flush() -> None:
+    """Write out stdout now, where an error can still be told; at exit Python would print a trace.
+
+    A pipe that is read no more, as by ``head``, is no error.
+    """
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the flush at exit
+        if not isinstance(error, BrokenPipeError):
+            error.filename = "stdout"
+            raise
 
 
 def _refuse(message: str) -> int:
@@ -82,6 +105,15 @@ def next_command(verb: str, **options: Any) -> str:
             if each is not None:
                 words += [option, shlex.quote(str(each))]
     return " ".join(words)
+
+
+def place(given: Path | None, usual: str | Path, option: str = "--out") -> Path:
+    """The file to write: the one that was given, and tried then, else the usual one, tried now."""
+    if given is not None:
+        return given
+    from ship_gym.provenance import check_place
+
+    return check_place(usual, option)
 
 
 def report_page(wanted: Path | None, table: Path) -> Path | None:
