@@ -39,9 +39,8 @@ class Run:
 
     @property
     def metrics(self) -> Mapping[str, float | None]:
-        """Metrics of an episode, measures of a manoeuvre; those that are numbers or None."""
-        found = self.meta.get("metrics") or {}
-        return {key: value for key, value in found.items() if _is_number(value) or value is None}
+        """Metrics of an episode, measures of a manoeuvre, as they were stored."""
+        return stored_metrics(self.meta)
 
     def value(self, name: str) -> str | float | None:
         """A column of `COLUMNS` or a metric; None where the run has none."""
@@ -50,6 +49,12 @@ class Run:
     def columns(self) -> dict[str, str | float | None]:
         """All of `COLUMNS`."""
         return {name: get(self) for name, get in COLUMNS.items()}
+
+
+def stored_metrics(meta: Mapping[str, Any]) -> dict[str, float | None]:
+    """Metrics or measures in the meta of a recording that are a number or None."""
+    found = meta.get("metrics") or {}
+    return {key: value for key, value in found.items() if value is None or _is_number(value)}
 
 
 def _is_number(value: object) -> bool:

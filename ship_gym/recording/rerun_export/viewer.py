@@ -63,12 +63,12 @@ def has_screen() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def show(paths: Sequence[str | os.PathLike], moment: float | None = None) -> None:
+def show(*paths: str | os.PathLike, moment: float | None = None) -> None:
     """Open recordings in a window and return when it is closed.
 
     Parameters
     ----------
-    paths : sequence of path-like
+    *paths : path-like
         Files ``.rrd`` that were verified.
     moment : float, optional
         Time that is shown first [s].
@@ -88,8 +88,8 @@ def show(paths: Sequence[str | os.PathLike], moment: float | None = None) -> Non
             raise RuntimeError("broke off")
 
 
-def serve_web(path: str | os.PathLike) -> Served:
-    """Serve a recording to browsers on this machine; nothing outside it can connect.
+def serve_web(*paths: str | os.PathLike) -> Served:
+    """Serve recordings to browsers on this machine; nothing outside it can connect.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def serve_web(path: str | os.PathLike) -> Served:
         The server did not start.
     """
     data, page = _free_ports(2)
-    arguments = ["--serve-web", "--web-viewer-port", str(page), os.fspath(path)]
+    arguments = ["--serve-web", "--web-viewer-port", str(page), *map(os.fspath, paths)]
     with _log() as log:
         process = _start(arguments, data, log)
         try:
