@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import gc
 import os
+import warnings
 
 import numpy as np
 import pytest
 
-from ship_gym.recording import Trajectory
+from ship_gym.recording import DamagedRecording, Trajectory
 
 rr = pytest.importorskip("rerun")
 chunk = pytest.importorskip("rerun.chunk")
@@ -38,7 +39,14 @@ def steered_run(rows: int = 60) -> Trajectory:
 
 
 def entities(path) -> set[str]:
-    return {part.entity_path for part in chunk.RrdReader(path).stream()}
+    return {part.entity_path for part in rerun_export.read_chunks(path)}
+
+
+def reader(path):
+    """Open a file with rerun's own reader, which warns that it has no manifest."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return chunk.RrdReader(path)
 
 
 def same(one: Trajectory, two: Trajectory) -> bool:
@@ -85,7 +93,7 @@ def test_everything_is_shown_and_small(tmp_path):
         assert f"/plots/{name}" in shown
     assert {"/plots/force_X", "/plots/force_Y", "/plots/force_N"} <= shown
     assert {"/plan/track", "/plan/ship", "/plan/grid", "/plan/route", "/about"} <= shown
-    assert chunk.RrdReader(path).blueprints()
+    assert reader(path).blueprints()
 
 
 @pytest.mark.parametrize(
@@ -122,23 +130,38 @@ def test_several_recordings_in_one_process(tmp_path):
     gc.collect()
     for k, run in enumerate(runs):
         assert same(run, Trajectory.from_rrd(tmp_path / f"{k}.rrd"))
-        assert len(chunk.RrdReader(tmp_path / f"{k}.rrd").recordings()) == 1
+        assert len(reader(tmp_path / f"{k}.rrd").recordings()) == 1
     assert rr.get_global_data_recording() is None
     assert rr.get_thread_local_data_recording() is None
 
 
+def rewritten(run: Trajectory, folder):
+    """A file of `run` whose parts rerun has written again in another order."""
+    run.to_rrd(folder / "run.rrd")
+    again = chunk.LazyChunkStream.from_iter(rerun_export.read_chunks(folder / "run.rrd")[::-1])
+    again.write_rrd(folder / "again.rrd", application_id="a", recording_id="b")
+    return folder / "again.rrd"
+
+
 def test_rewritten_and_split_file_still_reads(tmp_path):
-    run = steered_run()
-    run.to_rrd(tmp_path / "run.rrd")
-    parts = list(chunk.RrdReader(tmp_path / "run.rrd").stream())[::-1]
-    again = chunk.LazyChunkStream.from_iter(parts)
-    again.write_rrd(tmp_path / "again.rrd", application_id="a", recording_id="b")
-    assert same(run, Trajectory.from_rrd(tmp_path / "again.rrd"))
+    run = steered_run(600)  # of several pieces
+    path = rewritten(run, tmp_path)
+    with pytest.raises(DamagedRecording, match=r"again\.rrd carries no seal .* record it again"):
+        Trajectory.from_rrd(path)
+    assert same(run, Trajectory.from_rrd(path, sealed=False))
+
+
+def test_columns_of_a_rewritten_file_are_compared_with_their_checksums(tmp_path, monkeypatch):
+    monkeypatch.setattr(rerun_export.rrd_file, "_checksum", lambda data: "0")
+    path = rewritten(steered_run(), tmp_path)
+    monkeypatch.undo()
+    with pytest.raises(DamagedRecording, match=r"again\.rrd: the meta is not the one"):
+        Trajectory.from_rrd(path, sealed=False)
 
 
 @pytest.mark.parametrize(
     "step",
-    ["picture._log_scene", "picture._log_panel", "picture.blueprint", "rrd_file._check_written"],
+    ["picture._log_scene", "picture._log_panel", "picture.blueprint", "rrd_file._check_record"],
 )
 def test_interrupted_write_leaves_the_old_file(tmp_path, monkeypatch, step):
     path = tmp_path / "run.rrd"
@@ -156,7 +179,7 @@ def test_interrupted_write_leaves_the_old_file(tmp_path, monkeypatch, step):
 
 def test_incomplete_file_is_noticed(tmp_path, monkeypatch):
     monkeypatch.setattr(rerun_export.rrd_file, "log_record", lambda *_: None)
-    with pytest.raises(OSError, match="could not be written"):
+    with pytest.raises(OSError, match="did not make a whole record"):
         steered_run().to_rrd(tmp_path / "run.rrd")
     assert os.listdir(tmp_path) == []
 
@@ -172,8 +195,10 @@ def test_other_files_are_refused(tmp_path):
     stream.log("text", rr.TextLog("hello"), static=True)
     stream.flush()
     stream.disconnect()
-    with pytest.raises(ValueError, match="not a recording of Ship Gym"):
+    with pytest.raises(DamagedRecording, match="carries no seal"):
         Trajectory.from_rrd(tmp_path / "other.rrd")
+    with pytest.raises(DamagedRecording, match="not a recording of Ship Gym"):
+        Trajectory.from_rrd(tmp_path / "other.rrd", sealed=False)
 
 
 def test_waves_and_wind_are_shown(tmp_path):
