@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ship_gym.plotting.figure import DASHED, FAINT, INK, headline, picture
-from ship_gym.recording.about import run_name
+from ship_gym.recording.card import run_name
 from ship_gym.recording.marks import Mark, marks
 from ship_gym.recording.panels import Panel, motion_panels, steering_panels
 from ship_gym.recording.trajectory import Trajectory
@@ -51,7 +51,9 @@ def _details(trajectory: Trajectory) -> str:
 
 def _plot(axes: Axes, t: np.ndarray, panel: Panel, found: Sequence[Mark]) -> None:
     for series in panel.series:
-        axes.plot(t, series.values, color=_on_white(series.color), linewidth=1.1, label=series.label)
+        axes.plot(
+            t, series.values, color=_on_white(series.color), linewidth=1.1, label=series.label
+        )
     for mark in found:
         style = {"color": INK if mark.kind in ("error", "failure") else FAINT, "linewidth": 0.8}
         axes.axvline(mark.time, linestyle=DASHED, zorder=0.5, **style)

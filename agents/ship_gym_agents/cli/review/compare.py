@@ -73,8 +73,9 @@ def command(as_json, files, out, task, picture, shown) -> None:
 
 def _write(runs: Sequence[Trajectory], out, picture) -> None:
     """The recording of all, and its picture at the worst moment of the first."""
-    from ship_gym.recording.marks import worst_moment
     from ship_gym.recording.rerun_export.compare import write_comparison
+
+    from ship_gym.recording.marks import worst_moment
     from ship_gym.recording.rerun_export.viewer import screenshot
 
     write_comparison(runs, out)

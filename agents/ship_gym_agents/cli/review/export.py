@@ -29,7 +29,9 @@ formats:
     notes=_NOTES,
 )
 @files()
-@click.option("--format", "kind", metavar="|".join(["csv", "parquet", "png", "mp4"]), help="Format.")
+@click.option(
+    "--format", "kind", metavar="|".join(["csv", "parquet", "png", "mp4"]), help="Format."
+)
 @click.option(
     "--out", type=click.Path(path_type=Path), help="File, or folder of several; default: beside."
 )

@@ -85,9 +85,9 @@ def _shoot(file, run: Trajectory, out: Path, moment: float, size, light: bool) -
 def _paint(run: Trajectory, out: Path, moment: float) -> None:
     """Draw the row nearest to a time."""
     import numpy as np
+    from ship_gym.rendering.replay import frame
 
     from ship_gym.rendering.png import save_png
-    from ship_gym.rendering.replay import frame
 
     save_png(frame(run, int(np.argmin(np.abs(run["t"] - moment)))), out)
 
@@ -95,9 +95,9 @@ def _paint(run: Trajectory, out: Path, moment: float) -> None:
 def _paint_strip(run: Trajectory, out: Path) -> str:
     """Draw frames evenly over the run, its ends among them."""
     import numpy as np
+    from ship_gym.rendering.replay import strip
 
     from ship_gym.rendering.png import save_png
-    from ship_gym.rendering.replay import strip
 
     t = run["t"]
     save_png(strip(run, np.linspace(t[0], t[-1], _FRAMES)), out)
