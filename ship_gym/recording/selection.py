@@ -35,7 +35,7 @@ class Condition(NamedTuple):
         return found is not None and bool(_OPERATORS[self.operator](found, self.value))
 
 
-def condition(text: str, metrics: Sequence[str]) -> Condition:
+def condition(text: str, metrics: Sequence[str] | None = None) -> Condition:
     """The condition that a text such as ``J_1>100`` or ``outcome!=end of time`` states.
 
     Parameters
@@ -43,8 +43,8 @@ def condition(text: str, metrics: Sequence[str]) -> Condition:
     text : str
         A column of ``library.COLUMNS`` or a metric, one of < <= > >= == !=, and a number or, of a
         column of text, == or != and a text.
-    metrics : sequence of str
-        Metrics that there are.
+    metrics : sequence of str, optional
+        Metrics that there are; if omitted, every field that is no column may be one.
 
     Raises
     ------
@@ -58,7 +58,8 @@ def condition(text: str, metrics: Sequence[str]) -> Condition:
             f"operators: {' '.join(_OPERATORS)}"
         )
     name, sign, value = found.groups()
-    check_known(f"field of {text!r}", name, [*COLUMNS, *metrics])
+    if metrics is not None:
+        check_known("field", name, [*COLUMNS, *metrics])
     if name not in COLUMNS or name in NUMBERS:
         return Condition(name, sign, _number(text, value))
     if sign not in _FOR_TEXT:

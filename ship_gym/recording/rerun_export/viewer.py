@@ -114,6 +114,7 @@ def screenshot(
     out: str | os.PathLike,
     time: float | None = None,
     size: tuple[int, int] = (1920, 1080),
+    light: bool = False,
 ) -> None:
     """Write a PNG of what the native viewer shows of a recording, without a window.
 

@@ -57,18 +57,22 @@ def command(as_json, folders, conditions, sort, reverse, worst, by, shown, task,
 
     need("rerun")
     _check_together(sort, reverse, worst, by)
+    fields = [selection.condition(text).field for text in conditions]
     own_task(task)
     runs = _runs(folders)
     _check_metrics(runs, shown)
     kept = selection.chosen(runs, conditions)
+    left_out = ""
     if worst is not None:
         by = by or _headline_of(kept)
+        lacking = sum(run.value(by) is None for run in kept)
+        left_out = f"; left out, for they have no {by}: {lacking}" if lacking else ""
         kept = _worst(kept, by, worst)
     elif sort or reverse:
         kept = selection.ordered(kept, sort or "file", reverse)
-    named = [*shown, *_asked(conditions, runs), *filter(None, [sort, by])]
+    named = [*shown, *fields, *filter(None, [sort, by])]
     following = _next(kept)
-    text = _csv(kept) if as_csv else _text(runs, kept, named, following)
+    text = _csv(kept) if as_csv else _text(runs, kept, named, following, left_out)
     show(as_json, {"runs": [_row(run) for run in kept], "next": following}, text)
 
 
@@ -103,14 +107,6 @@ def _check_metrics(runs: Sequence[Run], names: Sequence[str]) -> None:
 
     for name in names:
         check_known("metric", name, metric_names(runs))
-
-
-def _asked(conditions: Sequence[str], runs: Sequence[Run]) -> list[str]:
-    """Fields of the conditions."""
-    from ship_gym.recording.library import metric_names
-    from ship_gym.recording.selection import condition
-
-    return [condition(text, metric_names(runs)).field for text in conditions]
 
 
 def _headline(run: Run) -> str | None:
@@ -151,7 +147,7 @@ def _worst(runs: Sequence[Run], by: str, count: int) -> list[Run]:
         raise ConfigError(f"--by {by}: nothing says whether less of it is better; use --sort {by}")
     having = [run for run in runs if run.value(by) is not None]
     if not having:
-        raise ConfigError(f"--worst: none of the runs has {by}")
+        raise ConfigError(f"--worst: none of the runs has {by}; give --by METRIC")
     return ordered(having, by, reverse=known[by].better == "lower")[:count]
 
 
@@ -180,11 +176,13 @@ def _csv(runs: Sequence[Run]) -> str:
     return stream.getvalue().rstrip("\n")
 
 
-def _text(runs: Sequence[Run], kept: Sequence[Run], named: Sequence[str], following) -> str:
+def _text(
+    runs: Sequence[Run], kept: Sequence[Run], named: Sequence[str], following, left_out: str
+) -> str:
     """How many, what all have in common, the table, what is unreadable, what comes next."""
     bad = [run for run in runs if run.error]
     counts = f"{len(kept)} of {len(runs)} runs" if len(kept) < len(runs) else f"{len(runs)} runs"
-    counts += f", {len(bad)} unreadable" if bad else ""
+    counts += (f", {len(bad)} unreadable" if bad else "") + left_out
     if not kept:
         return f"{counts}: none meets the conditions"
     good = [run for run in kept if not run.error]
