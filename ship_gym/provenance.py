@@ -131,11 +131,11 @@ def check_place(path: str | os.PathLike, option: str, folder: bool = False) -> P
         One line with option, path and reason.
     """
     path = Path(path)
-    if not folder and path.is_dir():
+    if not folder and os.path.isdir(path):
         raise ConfigError(f"{option} {path}: that is a folder")
     inside = path if folder else path.parent
     there = next(p for p in (inside, *inside.absolute().parents) if os.path.lexists(p))
-    if not there.is_dir():
+    if not os.path.isdir(there):
         raise ConfigError(f"{option} {path}: {there} is a file, not a folder")
     try:
         with contextlib.suppress(FileNotFoundError, NotADirectoryError):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import shlex
 import sys
-from collections.abc import Callable, Iterable, Mapping
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -30,9 +32,12 @@ _EXTRAS = {
 
 def run(main: Callable[[], Any]) -> None:
     """Call `main`; an error a user can mend is one line on stderr and exit code 2."""
+    usual = threading.excepthook
+    threading.excepthook = lambda ended: _thread_ended(ended, usual)
     try:
         main()
-        _flush()
+        with _stdout():  # at exit Python would print a trace
+            sys.stdout.flush()
     except (KeyboardInterrupt, click.Abort) as stop:  # click's stands for one that says more
         sys.exit(_refuse(str(stop.__cause__ or stop) or "interrupted"))
     except click.ClickException as error:
@@ -41,6 +46,18 @@ def run(main: Callable[[], Any]) -> None:
         if not (text := _in_words(error)):
             raise
         sys.exit(_refuse(f"error: {text}"))
+    finally:
+        threading.excepthook = usual
+
+
+def _thread_ended(ended: Any, usual: Callable[[Any], Any]) -> None:
+    """A library's writing thread that found a full disk says so in a line, not with a trace."""
+    from ship_gym.provenance import no_space
+
+    if ended.exc_value is not None and (reason := no_space(ended.exc_value)):
+        print(f"warning: a log is broken off: {reason}", file=sys.stderr)
+    else:
+        usual(ended)
 
 
 def _in_words(error: Exception) -> str:
@@ -54,13 +71,11 @@ def _in_words(error: Exception) -> str:
     return str(error) if isinstance(error, ConfigError | ImportError | OSError) else ""
 
 
-def _flush() -> None:
-    """Write out stdout now, where an error can still be told; at exit Python would print a trace.
-
-    A pipe that is read no more, as by ``head``, is no error.
-    """
+@contextlib.contextmanager
+def _stdout() -> Iterator[None]:
+    """Name stdout in an error of writing to it; a pipe that is read no more is none."""
     try:
-        sys.stdout.flush()
+        yield
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the flush at exit
         if not isinstance(error, BrokenPipeError):
@@ -93,7 +108,8 @@ def progress(iterable: Iterable, description: str = "", total: int | None = None
 
 def show(as_json: bool, data: Mapping[str, Any], text: str) -> None:
     """Print `data` as JSON (``--json``) or `text` for people, on stdout."""
-    print(json.dumps(data, indent=2, allow_nan=False) if as_json else text)
+    with _stdout():
+        print(json.dumps(data, indent=2, allow_nan=False) if as_json else text)
 
 
 def next_command(verb: str, **options: Any) -> str:
