@@ -44,7 +44,7 @@ def card_text(trajectory: Trajectory) -> str:
     parts = [
         f"# {title(meta)}",
         _ending(trajectory),
-        _markdown(["Run", ""], [*facts(trajectory)]),
+        _facts([*facts(trajectory)]),
         _markdown(["Metric", "Value", "Unit"], [*metric_rows(meta)]),
         _markdown(["Time", "Moment"], [*_moments(trajectory)]),
         _again(meta),
@@ -257,6 +257,11 @@ def _short(commit: str) -> str:
     """The first digits of a commit, and whether it was edited; other texts as they are."""
     digits, dash, edited = commit.partition("-")
     return f"{digits[:_COMMIT]}{dash}{edited}" if len(digits) == 40 else commit
+
+
+def _facts(rows: list[list[str]]) -> str:
+    """The facts as a table, the first of them as its head, as Markdown has none without."""
+    return table(rows[0], rows[1:], markdown=True) if len(rows) > 1 else ""
 
 
 def _markdown(header: list[str], rows: list[list[str]]) -> str:
