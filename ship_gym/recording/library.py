@@ -52,9 +52,14 @@ class Run:
 
 
 def stored_metrics(meta: Mapping[str, Any]) -> dict[str, float | None]:
-    """Metrics or measures in the meta of a recording that are a number or None."""
-    found = meta.get("metrics") or {}
-    return {key: value for key, value in found.items() if value is None or _is_number(value)}
+    """Metrics or measures in the meta of a recording; of a list, numbers with theirs behind."""
+    found: dict[str, float | None] = {}
+    for key, value in (meta.get("metrics") or {}).items():
+        several = value if isinstance(value, list) else [value]
+        names = [f"{key}_{k}" for k in range(1, len(several) + 1)] if several is value else [key]
+        pairs = zip(names, several, strict=True)
+        found |= {name: one for name, one in pairs if one is None or _is_number(one)}
+    return found
 
 
 def _is_number(value: object) -> bool:
@@ -68,6 +73,13 @@ def _named(run: Run, key: str) -> str | None:
     return None if entry is None else str(entry)
 
 
+def _kind(run: Run) -> str | None:
+    """Episode or manoeuvre; recordings that do not say it have the manoeuvre in their config."""
+    config = run.meta.get("config")
+    manoeuvre = isinstance(config, Mapping) and "manoeuvre" in config
+    return "manoeuvre" if manoeuvre else _named(run, "kind")
+
+
 def _state(run: Run) -> str:
     return "unreadable" if run.error else "complete" if run.complete else "incomplete"
 
@@ -79,12 +91,12 @@ def _truth(run: Run, key: str) -> str | None:
 
 COLUMNS: dict[str, Callable[[Run], str | float | None]] = {
     "file": lambda run: str(run.path),
-    "kind": lambda run: _named(run, "kind"),
+    "kind": _kind,
     "scenario": lambda run: _named(run, "scenario") or _named(run, "task"),
     "task": lambda run: _named(run, "task"),
     "ship": lambda run: _named(run, "ship"),
     "controller": lambda run: _named(run, "controller"),
-    "seed": lambda run: run.meta.get("seed"),
+    "seed": lambda run: None if _kind(run) == "manoeuvre" else run.meta.get("seed"),
     "outcome": lambda run: _named(run, "outcome"),
     "failed": lambda run: _truth(run, "failed"),
     "duration": lambda run: run.duration,

@@ -139,8 +139,8 @@ def _headline_of(runs: Sequence[Run]) -> str:
 def _worst(runs: Sequence[Run], by: str, count: int) -> list[Run]:
     """The worst runs that have a metric, the worst one first."""
     from ship_gym.config import ConfigError
-    from ship_gym.evaluation.metrics import all_metrics
     from ship_gym.recording.selection import ordered
+    from ship_gym.tasks.metrics import all_metrics
 
     known = all_metrics()
     if by not in known:
@@ -232,7 +232,7 @@ def _table(runs: Sequence[Run], same: dict[str, Any], metrics: Sequence[str]) ->
 
 def _unit(name: str) -> str:
     """Unit of a column or metric, if it has one."""
-    from ship_gym.evaluation.metrics import all_metrics
+    from ship_gym.tasks.metrics import all_metrics
 
     metric = all_metrics().get(name)
     unit = metric.unit if metric else "s" if name == "duration" else ""

@@ -62,11 +62,12 @@ def command(as_json, files, task, as_csv) -> None:
 def measured(run: Trajectory, path: object) -> _Found:
     """Metrics of a run; an error names the file."""
     from ship_gym.config import ConfigError
-    from ship_gym.evaluation.metrics import metrics
     from ship_gym.recording.library import stored_metrics
+    from ship_gym.recording.turns import is_manoeuvre
+    from ship_gym.tasks.metrics import metrics
 
     kept = stored_metrics(run.meta)
-    if run.meta.get("kind") == "manoeuvre":
+    if is_manoeuvre(run):
         return _Found(run.meta, kept, "stored", {})
     if not run.complete:
         return _Found(run.meta, {}, "incomplete: none", {})
@@ -114,7 +115,7 @@ def _rows(found: Mapping[str, _Found], form) -> list[list[str]]:
 
 def units_of(found: Sequence[Mapping[str, float | None]]) -> dict[str, str]:
     """Units of all metrics that occur, in the order of a table; "" where none is known."""
-    from ship_gym.evaluation.metrics import all_metrics
+    from ship_gym.tasks.metrics import all_metrics
 
     known = all_metrics()
     names = dict.fromkeys(name for one in found for name in one)
