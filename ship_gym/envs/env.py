@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import os
 import sys
 from collections.abc import Mapping, Sequence
@@ -118,7 +117,7 @@ def with_steps(scenario: Scenario, steps: int | None, overrides: Mapping | None)
             f"max_episode_steps = {steps} and overrides = {{'duration': {scenario.duration:g}}}, "
             f"which is {scenario.steps} steps: give one of them"
         )
-    return dataclasses.replace(scenario, duration=int(steps) * scenario.control_interval)
+    return scenario.with_duration(int(steps) * scenario.control_interval)
 
 
 def _steps_of_make(made: type) -> int | None:
