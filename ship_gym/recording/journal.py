@@ -132,7 +132,11 @@ def read_journal(path: str | os.PathLike) -> tuple[dict[str, np.ndarray], dict[s
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"no recording {path}")
-    data = path.read_bytes()
+    return parsed(path.read_bytes(), path)
+
+
+def parsed(data: bytes, path: str | os.PathLike) -> tuple[dict[str, np.ndarray], dict[str, object]]:
+    """The bytes of a journal as `read_journal` gives them; `path` is for what it says."""
     if not data.startswith(_LINE[: len(data)]):
         raise DamagedRecording(f"{path} is not a journal of Ship Gym: byte 0 begins none")
     payloads, at, digest = [], len(_LINE), b""
@@ -149,7 +153,7 @@ def read_journal(path: str | os.PathLike) -> tuple[dict[str, np.ndarray], dict[s
     return dict(zip(head["columns"], columns, strict=True)), head["meta"] | {"complete": False}
 
 
-def _block(data: bytes, at: int, before: bytes, path: Path):
+def _block(data: bytes, at: int, before: bytes, path: str | os.PathLike):
     """Payload, digest and end of the block at a byte; None where the last whole one ended."""
     begun = at + _BLOCK.size
     if begun > len(data):
@@ -160,7 +164,7 @@ def _block(data: bytes, at: int, before: bytes, path: Path):
         return None
     digest = _chained(before, data[at:stop])
     if digest != data[stop : stop + _DIGEST]:
-        raise DamagedRecording(f"{path}: damaged at byte {at} or in the {stop - at} after it")
+        raise DamagedRecording(f"{path}: damaged between bytes {at} and {stop + _DIGEST}")
     return data[begun:stop], digest, stop + _DIGEST
 
 

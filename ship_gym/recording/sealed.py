@@ -93,7 +93,11 @@ def verify(path: str | os.PathLike) -> Verified:
     OSError
         If it cannot be read.
     """
-    data = Path(path).read_bytes()
+    return checked(Path(path).read_bytes(), path)
+
+
+def checked(data: bytes, path: str | os.PathLike) -> Verified:
+    """The bytes of a file as `verify` gives them; `path` is for what it says."""
     if data[:4] != _MAGIC[: len(data)] or not data:
         raise DamagedRecording(f"{path} is not a readable .rrd file: byte 0 begins no recording")
     at, digest, ends = _HEADER, _begun(data[:_HEADER]), None
@@ -102,7 +106,7 @@ def verify(path: str | os.PathLike) -> Verified:
         stop = _stop(data, at)
         if stop > len(data):
             break
-        found, digest = _checked(view[at:stop], digest, path, at, first=ends is None)
+        found, digest = _message(view[at:stop], digest, path, at, first=ends is None)
         ends, at = found, stop
     if ends is None:
         raise DamagedRecording(
@@ -137,7 +141,7 @@ def _stop(data: bytes, at: int) -> int:
     return begun + (_KIND.unpack_from(data, at)[1] if begun <= len(data) else len(data))
 
 
-def _checked(message: memoryview, before: bytes, path, at: int, first: bool):
+def _message(message: memoryview, before: bytes, path, at: int, first: bool):
     """Sizes and digest of a message that is as it was written."""
     place = len(message) - _SEAL
     if first and (place < _KIND.size or message[place : place + len(_FIELD)] != _FIELD):
@@ -148,5 +152,6 @@ def _checked(message: memoryview, before: bytes, path, at: int, first: bool):
     digest = hashlib.sha256(before)
     digest.update(message[:-_DIGEST])
     if place < _KIND.size or digest.digest() != message[-_DIGEST:]:
-        raise DamagedRecording(f"{path}: damaged at byte {at} or in the {len(message)} after it")
+        start = 0 if first else at  # the first one vouches for the header, too
+        raise DamagedRecording(f"{path}: damaged between bytes {start} and {at + len(message)}")
     return _SIZES.unpack_from(message, place + len(_FIELD)), digest.digest()

@@ -184,6 +184,68 @@ def test_incomplete_file_is_noticed(tmp_path, monkeypatch):
     assert os.listdir(tmp_path) == []
 
 
+def test_no_bit_can_be_changed(tmp_path):
+    run = steered_run()
+    path = tmp_path / "run.rrd"
+    run.to_rrd(path)
+    data = path.read_bytes()
+    for bit in np.random.default_rng(1).integers(0, 8 * len(data), 60):
+        changed = bytearray(data)
+        changed[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(changed)
+        with pytest.raises(DamagedRecording, match=r"run\.rrd"):
+            Trajectory.from_rrd(path)
+
+
+def test_a_cut_file_gives_its_first_rows_and_says_so(tmp_path):
+    run = steered_run(600)
+    path = tmp_path / "run.rrd"
+    run.to_rrd(path)
+    data = path.read_bytes()
+    found = []
+    for length in np.linspace(0, len(data), 40, endpoint=False).astype(int):
+        path.write_bytes(data[:length])
+        try:
+            read = Trajectory.from_rrd(path)
+        except DamagedRecording as error:
+            assert "run.rrd" in str(error)
+            found.append(0)
+            continue
+        assert not read.complete
+        assert read.meta == run.meta | {"complete": False}
+        for name in run.names:
+            assert read[name].tobytes() == run[name][: len(read)].tobytes()
+        found.append(len(read))
+    assert set(found) == {0, 200, 400, 600}
+
+
+def test_the_record_alone(tmp_path):
+    run = steered_run()
+    run.to_rrd(tmp_path / "run.rrd", picture=False)
+    assert same(run, Trajectory.from_rrd(tmp_path / "run.rrd"))
+    assert entities(tmp_path / "run.rrd") == {"/record", "/record/meta", "/__properties"}
+
+
+def test_rerun_that_is_off_is_noticed(tmp_path, monkeypatch):
+    monkeypatch.setenv("RERUN", "off")
+    with pytest.raises(OSError, match=r"run\.rrd.*RERUN=off"):
+        steered_run().to_rrd(tmp_path / "run.rrd")
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path, limited):
+    with limited(20_000), pytest.raises(OSError, match=r"run\.rrd.*too large") as error:
+        steered_run().to_rrd(tmp_path / "run.rrd")
+    assert "\n" not in str(error.value)
+    assert os.listdir(tmp_path) == []
+
+
+def test_no_room_for_the_copy_that_is_read_is_said(tmp_path, limited):
+    steered_run().to_rrd(tmp_path / "run.rrd")
+    with limited(1000), pytest.raises(OSError, match=r"run\.rrd cannot be read: no copy in "):
+        Trajectory.from_rrd(tmp_path / "run.rrd")
+
+
 def test_other_files_are_refused(tmp_path):
     with pytest.raises(FileNotFoundError, match="no recording"):
         Trajectory.from_rrd(tmp_path / "none.rrd")

@@ -51,9 +51,12 @@ def write_rrd(trajectory: Trajectory, path: str | os.PathLike, *, picture: bool 
     OSError
         If it cannot be written, such as on a full disk; names the file.
     """
-    data = _encoded(trajectory, picture)
     try:
+        record, shown = _streams(trajectory, picture)
         with atomic_path(path) as temporary:
+            temporary.write_bytes(record)
+            _check_record(temporary, trajectory)
+            data = seal(record, shown)
             temporary.write_bytes(data)
             if temporary.read_bytes() != data:
                 raise OSError("the file does not hold what was written")
@@ -62,9 +65,11 @@ def write_rrd(trajectory: Trajectory, path: str | os.PathLike, *, picture: bool 
         raise OSError(f"{path}: the recording could not be written: {why}") from error
 
 
-def _encoded(trajectory: Trajectory, picture: bool) -> bytes:
-    """The file as bytes; its record is read back and compared."""
+def _streams(trajectory: Trajectory, picture: bool) -> tuple[bytes, bytes]:
+    """Record and picture as rerun encodes them."""
     stream = rr.RecordingStream(f"ship_gym_{trajectory.meta.get('task', 'run')}")
+    if not rr.is_enabled(stream):
+        raise OSError("rerun records nothing: the environment has RERUN=off")
     try:
         source = stream.binary_stream()
         out = Output(stream)
@@ -75,8 +80,7 @@ def _encoded(trajectory: Trajectory, picture: bool) -> bytes:
             shown = source.read() or b""
     finally:
         stream.disconnect()
-    _check_record(record, trajectory)
-    return seal(record, shown)
+    return record, shown
 
 
 def log_record(out: Output, trajectory: Trajectory) -> None:
@@ -207,13 +211,12 @@ def _head_checksum(head: Mapping) -> str:
     return _checksum(json.dumps(head, sort_keys=True).encode())
 
 
-def _check_record(record: bytes, trajectory: Trajectory) -> None:
+def _check_record(file: Path, trajectory: Trajectory) -> None:
     """Look whether rerun has put everything into the record that it was given."""
     try:
-        chunks = _verified_chunks(record, "the record")
-        columns, meta = _decoded(chunks, "the record", complete=True)
+        columns, meta = _decoded(_chunks(file, "the record"), "the record", complete=True)
     except (DamagedRecording, KeyError) as error:
-        raise OSError(f"rerun did not make a whole record (is RERUN=off set?): {error}") from error
+        raise OSError(f"rerun did not make a whole record: {error}") from error
     same = list(columns) == trajectory.names and meta == trajectory.meta
     if not same or any(columns[k].tobytes() != trajectory[k].tobytes() for k in columns):
         raise OSError("rerun did not make a whole record")
@@ -223,8 +226,11 @@ def _verified_chunks(data: bytes, path: str | os.PathLike) -> list[Chunk]:
     """Chunks of these bytes, by a file that holds nothing else: rerun's reader takes only files."""
     handle, name = tempfile.mkstemp(prefix="ship-gym-", suffix=".rrd")
     try:
-        with open(handle, "wb") as copy:
-            copy.write(data)
+        try:
+            with open(handle, "wb") as copy:
+                copy.write(data)
+        except OSError as error:
+            raise OSError(f"{path} cannot be read: no copy in {name}: {error.strerror}") from error
         return _chunks(name, path)
     finally:
         os.unlink(name)
