@@ -15,7 +15,7 @@ from ship_gym.evaluation.report.events import Event, Run, slug
 from ship_gym.plotting.benchmark_episode import plot_episode
 from ship_gym.plotting.figure import for_page
 from ship_gym.recording.trajectory import Trajectory
-from ship_gym.reports.page import Block, Command, Grid, Picture, Row
+from ship_gym.reports.page import Block, Cell, Command, Grid, Picture, Row
 
 WHICH = choice.EXTREMES
 
@@ -77,6 +77,14 @@ def episode(found: Benchmark, event: Event, controller: str, seed: int) -> Episo
     return Episode(event.scenario, event.ship, named, seed, control, task)
 
 
+def recording(found: Benchmark, event: Event, controller: str) -> str | None:
+    """File of the worst episode, from the folder of the run, where the benchmark recorded it."""
+    files = found.about.get("recordings", {}).get("files", {})
+    for key in (event.suite, event.scenario, event.ship):
+        files = files.get(key, {})
+    return files.get(controller)
+
+
 def blocks(found: Benchmark, event: Event) -> list[Block]:
     """Table of the episodes of an event, and the commands."""
     rows, commands = [], []
@@ -85,10 +93,15 @@ def blocks(found: Benchmark, event: Event) -> list[Block]:
         if not seeds:
             continue
         value = dict(zip(run.seeds.tolist(), run.values.tolist(), strict=True))
-        rows.append([name, *(f"{seed}: {words.number(value[seed])}" for seed in seeds.values())])
+        cells = {w: f"{seed}: {words.number(value[seed])}" for w, seed in seeds.items()}
+        if file := recording(found, event, name):
+            cells["worst"] = Cell(cells["worst"], file=file)
+        rows.append([name, *cells.values()])
         for which, seed in seeds.items():
             commands.append(f"{episode(found, event, name, seed).command}  # {which}")
     caption = f"seed: {event.measure} [{event.metric.unit}]"
+    if any(isinstance(row[-1], Cell) for row in rows):
+        caption += "; the worst as a recording: ship-gym review show FILE"
     return [Grid(caption, ["controller", *WHICH], rows), Command("\n".join(commands))]
 
 
