@@ -66,6 +66,7 @@ def record_worst(
     """Record the worst episode of each controller in each cell; failed ones are the worst.
 
     ``constant`` has none, for it only says what doing nothing gives, unless it sails alone.
+    Where no episode has a value of the measure, since all are too short, the return decides.
     Episodes that their controller broke off with an error cannot be recorded. Files that are there
     already, from an earlier part of the run, are kept.
 
@@ -118,13 +119,15 @@ def _worst(units: Sequence[Unit], sailed: Mapping[int, Sailed], folder: Path) ->
         if not there or (key[4] == ALWAYS and key[:4] in steered):
             continue
         measure = there[0][1]["measure"]
-        values = [row["value"] for _, row in there]
+        if all(row[measure] is None for _, row in there):
+            measure = "return"  # all are too short for the other
+        values = [row[measure] for _, row in there]
         order = ranked(values, all_metrics()[measure].better, [r["failed"] for _, r in there])
         if order:
             unit, row = there[order[-1]]
             file = folder / _name(unit, row["seed"])
             one = dataclasses.replace(unit, seeds=(row["seed"],))
-            made.append(Again(one, str(file.resolve()), measure, row["value"]))
+            made.append(Again(one, str(file.resolve()), measure, row[measure]))
     return made
 
 

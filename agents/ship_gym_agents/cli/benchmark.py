@@ -167,29 +167,13 @@ def _recorded(results: Any, out: Path) -> list[str]:
 
 def _next(judged: Any, recorded: Path | None) -> str | None:
     """The command that shows the recordings, or records the worst episode of the first cell."""
-    from ship_gym.evaluation.choice import ranked
-    from ship_gym.evaluation.report.episodes import episode
+    from ship_gym.evaluation.report.episodes import episode, worst_of
     from ship_gym.evaluation.run_folder import RECORDINGS
-    from ship_gym.evaluation.suite import ALWAYS
     from ship_gym_agents.cli.output import next_command
 
     if recorded is not None:
         return f"{next_command('review')} list {shlex.quote(str(recorded / RECORDINGS))}"
     for event in judged.events:
-        rows = [
-            (name, seed, value, failed)
-            for name, run in event.runs.items()
-            if name != ALWAYS
-            for seed, value, failed, broken in zip(
-                run.seeds.tolist(),
-                run.values.tolist(),
-                run.columns["failed"].tolist(),
-                run.broken,
-                strict=True,
-            )
-            if not broken
-        ]
-        values, failed = [row[2] for row in rows], [row[3] for row in rows]
-        if order := ranked(values, event.metric.better, failed):
-            return episode(judged, event, *rows[order[-1]][:2]).command
+        if worst := worst_of(event):
+            return episode(judged, event, *worst).command
     return None

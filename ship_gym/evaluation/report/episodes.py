@@ -11,7 +11,7 @@ import numpy as np
 from ship_gym.evaluation import choice
 from ship_gym.evaluation.report import words
 from ship_gym.evaluation.report.benchmark import Benchmark
-from ship_gym.evaluation.report.events import Event, Run, slug
+from ship_gym.evaluation.report.events import NOTHING, Event, Run, slug
 from ship_gym.plotting.benchmark_episode import plot_episode
 from ship_gym.plotting.figure import for_page
 from ship_gym.recording.trajectory import Trajectory
@@ -66,6 +66,19 @@ def extremes(event: Event, run: Run) -> dict[str, int]:
     values, failed = run.values[there].tolist(), run.columns["failed"][there].tolist()
     found = choice.extremes(run.seeds[there].tolist(), values, event.metric.better, failed)
     return {which: one["seed"] for which, one in found.items()}
+
+
+def worst_of(event: Event) -> tuple[str, int] | None:
+    """Controller and seed of the worst episode of an event, not of the one that does nothing."""
+    found = [
+        (name, seeds["worst"])
+        for name, run in event.runs.items()
+        if name != NOTHING and (seeds := extremes(event, run))
+    ]
+    at = [event.runs[name].at(np.array([seed]), key)[0]
+          for key in ("value", "failed") for name, seed in found]  # fmt: skip
+    order = choice.ranked(at[: len(found)], event.metric.better, at[len(found) :])
+    return found[order[-1]] if order else None
 
 
 def episode(found: Benchmark, event: Event, controller: str, seed: int) -> Episode:
