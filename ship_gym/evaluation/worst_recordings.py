@@ -14,7 +14,7 @@ from typing import Any
 
 from ship_gym.config import ConfigError
 from ship_gym.envs.registration import load_task
-from ship_gym.evaluation.choice import ranked
+from ship_gym.evaluation.choice import deciding, ranked
 from ship_gym.evaluation.engines import Work, engine_of
 from ship_gym.evaluation.guard import Guarded
 from ship_gym.evaluation.metrics import all_metrics
@@ -119,8 +119,7 @@ def _worst(units: Sequence[Unit], sailed: Mapping[int, Sailed], folder: Path) ->
         if not there or (key[4] == ALWAYS and key[:4] in steered):
             continue
         measure = there[0][1]["measure"]
-        if all(row[measure] is None for _, row in there):
-            measure = "return"  # all are too short for the other
+        measure = deciding(measure, {measure: [row[measure] for _, row in there]})
         values = [row[measure] for _, row in there]
         order = ranked(values, all_metrics()[measure].better, [r["failed"] for _, r in there])
         if order:
