@@ -157,12 +157,6 @@ def test_what_cannot_be_used_is_one_line_before_any_work(cli, tmp_path, argument
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
-def test_a_folder_without_permission_is_refused(cli, tmp_path, monkeypatch):
-    monkeypatch.setattr("os.access", lambda path, mode: False)
-    code, _, err = cli("record", "--out", "there/x.rrd")
-    assert code == 2 and "no permission to write into" in err and not list(tmp_path.iterdir())
-
-
 def test_an_own_controller_is_evaluated_with_others(cli, own):
     arguments = ["--controller", f"{own}:Steady", "mine.py:made", "--controllers", "mine.py:kept"]
     code, out, err = cli("evaluate", *arguments, "--episodes", 1, "--set", "duration=20", "--json")

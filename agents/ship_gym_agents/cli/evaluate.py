@@ -54,16 +54,16 @@ def command(
     """
     from ship_gym.evaluation import compare, evaluation_seeds, table
     from ship_gym_agents.cli import evaluate_episodes as shown
-    from ship_gym_agents.cli.output import next_command, show
+    from ship_gym_agents.cli.output import next_command, place, show
 
     shown.check_which(which, record)
+    out = place(out, _folder(policies) / "evaluation.json")
     seeds = evaluation_seeds(episodes)
     named, rollouts = _sail([*policies], [*controllers], seeds, task, options)
     sailed = [r.controller for r in rollouts]
     usual = rollouts[0].task.controllers[0]
     found = compare(rollouts, usual if usual in sailed else None)
     found["extremes"] = shown.extremes_of(rollouts, found["episodes"])
-    out = out or _folder(policies) / "evaluation.json"
     _write(found, out)
     wrote, data = [str(out)], {"file": str(out)}
     following = _again(named, sailed, found["extremes"]["of"], policies, task, options)
