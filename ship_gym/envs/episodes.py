@@ -273,10 +273,10 @@ class EpisodeBatch:
         """
         sim, tasks, given = self.sim, self.tasks, given or {}
         which = np.ascontiguousarray(which, dtype=np.int64)
-        for watcher in self._watching:
-            watcher.leave(which)
         if "speed" in given:
             self._check_speed(which, given["speed"])
+        for watcher in self._watching:
+            watcher.leave(which)
         if "sea_seed" in given:
             draws = self._with_seas_of(draws, given["sea_seed"])
         begin, sea, plan, ship, key, phases = (draws[:, part] for part in self._parts)
