@@ -11,6 +11,7 @@ import numpy as np
 from ship_gym.envs.episode_log import EpisodeLog
 from ship_gym.envs.episode_record import Conditions
 from ship_gym.recording.recorder import Recorder
+from ship_gym.recording.trajectory import Trajectory
 
 _ROWS = 16  # handed over together: less work than one by one
 
@@ -68,17 +69,25 @@ class Streamed:
         """Hand over the rows that are new, if there are so many."""
         now = int(self._log.lengths[self._place])
         if now - self._sent >= least:
-            rows = self._log.part(self._place, self._sent, now)
-            columns = self._conditions.columns(rows)
-            self._recorder.add(np.column_stack(list(columns.values())))
-            self._sent = now
+            self._hand_over(now)
+
+    def _hand_over(self, stop: int) -> None:
+        """Hand over the rows up to `stop`; those that cannot be written are not tried again."""
+        rows = self._log.part(self._place, self._sent, stop)
+        self._sent = stop
+        columns = self._conditions.columns(rows)
+        self._recorder.add(np.column_stack(list(columns.values())))
 
     def finish(self, outcome: int) -> None:
         """Write the file of the episode, whose last row the log has (`EpisodeLog.end`)."""
         stop = int(self._log.lengths[self._place]) + 1
+        self._hand_over(stop)
         rows = self._log.part(self._place, 0, stop)
-        self.follow(1)
-        self._recorder.finish(self._conditions.trajectory(rows, outcome, self._about))
+        self.write(self._conditions.trajectory(rows, outcome, self._about))
+
+    def write(self, trajectory: Trajectory) -> None:
+        """Write the file of an episode that is over, from its recording."""
+        self._recorder.finish(trajectory)
 
     def leave(self) -> None:
         """The episode breaks off: its journal stays, or, where nothing was sailed, nothing."""
