@@ -11,13 +11,15 @@ import numpy as np
 # of four plots on a screen, up to nine.
 _MOST_TICKS, _FEWEST_TICKS = 9, 3
 _ROOM = 0.04  # of the range, free above and below
+USUAL = "LeftBottom"  # where the viewer puts a legend by itself
 CORNERS = ("LeftTop", "RightTop", "RightBottom", "LeftBottom")
 _WIDE, _LINE, _HEAD = 0.16, 0.11, 0.04  # legend: share of the width, of the height by line
+_USUAL_SHARE = 0.9  # of the rows
 _FAR = 0.5  # a limit is on the axis where a line reaches this share of it
 
 
 def y_range(
-    lines: Sequence[np.ndarray], limits: Sequence[np.ndarray] = ()
+    lines: Sequence[np.ndarray], limits: Sequence[np.ndarray] = (), robust: bool = False
 ) -> tuple[float, float]:
     """Lower and upper end of an axis on which all lines can be read.
 
@@ -27,13 +29,15 @@ def y_range(
         Values of each line, shapes (T,).
     limits : sequence of numpy.ndarray
         Lines that count only where the others come near to them.
+    robust : bool
+        Leave the largest tenth of the rows out, so that the rest can be read.
 
     Returns
     -------
     low, high : float
         Wide enough for three ticks at least.
     """
-    low, high = _extent(lines, limits)
+    low, high = _extent(_without_peaks(lines) if robust else lines, limits)
     span = high - low
     step = 10.0 ** math.ceil(math.log10(span / _MOST_TICKS) - 1e-9)
     if span / step >= _FEWEST_TICKS:
@@ -48,9 +52,13 @@ def y_range(
     return (first - room) * step, (last + room) * step
 
 
-def _extent(
-    lines: Sequence[np.ndarray], limits: Sequence[np.ndarray]
-) -> tuple[float, float]:
+def _without_peaks(lines: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Lines cut at what nine tenths of the rows of the widest one stay within, on both sides of zero."""
+    most = max(float(np.quantile(np.abs(line), _USUAL_SHARE)) for line in lines)
+    return [np.clip(line, -most, most) for line in lines] if most > 0.0 else list(lines)
+
+
+def _extent(lines: Sequence[np.ndarray], limits: Sequence[np.ndarray]) -> tuple[float, float]:
     """Smallest and largest value that must be seen; never equal."""
     low = float(min(line.min() for line in lines))
     high = float(max(line.max() for line in lines))
@@ -89,4 +97,4 @@ def free_corner(
         beside = across <= _WIDE if name.startswith("Left") else across >= 1.0 - _WIDE
         level = up >= 1.0 - tall if name.endswith("Top") else up <= tall
         hidden[name] = int(np.count_nonzero(beside & level & (up >= 0.0) & (up <= 1.0)))
-    return min(CORNERS, key=lambda name: (hidden[name], CORNERS.index(name) != 1))
+    return min(CORNERS, key=lambda name: (hidden[name], name != USUAL))

@@ -45,6 +45,7 @@ class Panel:
     title: str
     series: list[Series]
     topic: str = COURSE
+    robust: bool = False  # the axis leaves out the largest tenth of the rows
 
     @property
     def name(self) -> str:
@@ -122,9 +123,9 @@ def heading_error(columns: Columns) -> np.ndarray | None:
 
 
 def unwrapped(psi: np.ndarray) -> np.ndarray:
-    """Heading [rad] without jumps, on the branch that has most of the run in 0 to 360 deg."""
+    """Heading [rad] without jumps, from 0 to 360 deg where it begins, and throughout if it can."""
     found = np.unwrap(psi)
-    return found - 2.0 * np.pi * np.floor(np.median(found) / (2.0 * np.pi))
+    return found - 2.0 * np.pi * np.floor(found[0] / (2.0 * np.pi))
 
 
 def _heading_panel(columns: Columns) -> Panel:
@@ -233,13 +234,13 @@ def _reward_panel(columns: Columns) -> Panel:
         Series(name.removeprefix("reward_").replace("_", " "), columns[name], color)
         for name, color in zip(names, _PALETTE * 9, strict=False)
     ]
-    title = "Reward of an interval, by terms"
+    title = "Reward of an interval, by terms (axis without the largest tenth)"
     if "reward" in columns:
         whole = columns["reward"] if end is None else columns["reward"] - end
         found.append(Series("all" if names else "reward", whole, GREY))
     if end is not None and np.any(end):
         title += f"; {end.sum():g} for the end is left out"
-    return Panel("plots/reward", title, found)
+    return Panel("plots/reward", title, found, robust=True)
 
 
 def _yaw_rate(columns: Columns) -> list[Series]:
@@ -330,14 +331,12 @@ def _flow_panels(columns: Columns) -> list[Panel]:
     """Advance ratio and angles of the flow, and how far outside their trained box they are."""
     angles = (("beta_P", "at propeller", BLUE), ("beta_R", "at rudder", ORANGE))
     inflow = [Series(label, _DEG * columns[k], c) for k, label, c in angles if k in columns]
-    advance = [Series("J", columns["J"], BLUE)] if "J" in columns else []
-    outside = (("extrapolation", "propeller, rudder", RED),
-               ("waves_extrapolation", "wave table", PURPLE))  # fmt: skip
-    beyond = [Series(label, columns[k], c) for k, label, c in outside if k in columns]
+    ratios = (("J", "J", BLUE), ("extrapolation", "outside: propeller, rudder", RED),
+              ("waves_extrapolation", "outside: wave table", PURPLE))  # fmt: skip
+    advance = [Series(label, columns[k], c) for k, label, c in ratios if k in columns]
     return [
-        Panel("plots/advance", "Advance ratio J [-]", advance, FLOW),
+        Panel("plots/advance", "Advance ratio J, way outside what is known [-]", advance, FLOW),
         Panel("plots/inflow", "Angle of the flow [deg]", inflow, FLOW),
-        Panel("plots/outside", "Outside the trained box [-], 0 is inside", beyond, FLOW),
     ]
 
 
