@@ -116,7 +116,7 @@ def locked(path: str | os.PathLike, doing: str) -> Iterator[None]:
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a+b") as file:
-        if not _held(file):
+        if not take_lock(file):
             file.seek(0)
             holder = file.read(20).decode("ascii", "replace").strip() or "unknown"
             raise ConfigError(
@@ -129,7 +129,7 @@ def locked(path: str | os.PathLike, doing: str) -> Iterator[None]:
         yield
 
 
-def _held(file: IO[bytes]) -> bool:
+def take_lock(file: IO[bytes]) -> bool:
     """Take the lock of a file for as long as it is open; False if another process has it."""
     try:
         import fcntl
