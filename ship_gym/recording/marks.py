@@ -55,6 +55,7 @@ def marks(trajectory: Trajectory) -> list[Mark]:
         *_limits(trajectory),
         *_failure(trajectory),
         *_legs(trajectory),
+        *_fastest_turn(trajectory),
         *(Mark(time, "leg", text) for time, text in turn_marks(trajectory)),
         _end(trajectory),
     ]
@@ -73,9 +74,7 @@ def worst_moment(trajectory: Trajectory) -> float:
     error = task_error(trajectory)
     if error is not None:
         return float(t[worst_row(trajectory, error)])
-    if "r" in trajectory:
-        return float(t[np.argmax(np.abs(trajectory["r"]))])
-    return float(t[-1])
+    return next((mark.time for mark in _fastest_turn(trajectory)), float(t[-1]))
 
 
 def time_unit(meta: Mapping) -> float:
@@ -108,6 +107,18 @@ def _errors(trajectory: Trajectory) -> Iterator[Mark]:
     yield Mark(float(t[worst]), "error", f"largest {error.label} {error.text(worst)}{aside}")
 
 
+def _fastest_turn(trajectory: Trajectory) -> Iterator[Mark]:
+    """The fastest turn of a run without an error to judge it by."""
+    if "r" not in trajectory or task_error(trajectory) is not None:
+        return
+    row = int(np.argmax(np.abs(trajectory["r"])))
+    rate = math.degrees(trajectory["r"][row])
+    if rate != 0.0:
+        side = "starboard" if rate > 0.0 else "port"
+        text = f"fastest turn, {abs(rate):.2g}{DEGREE}/s to {side}"
+        yield Mark(float(trajectory["t"][row]), "leg", text)
+
+
 def _saturation(trajectory: Trajectory) -> Iterator[Mark]:
     limit = section(trajectory.meta, "ship").get("delta_max")
     if limit is None or "delta" not in trajectory:
@@ -130,17 +141,16 @@ def _limits(trajectory: Trajectory) -> Iterator[Mark]:
         if name in trajectory:
             outside = trajectory[name]
             for first, last, text in _longest(trajectory, outside > 0.0, most=1):
-                largest = f"by up to {100.0 * outside[first : last + 1].max():.2g} % of {whole}"
+                largest = f"by up to {100.0 * outside[first : last + 1].max():.0f} % of {whole}"
                 yield Mark(float(trajectory["t"][first]), "limit", f"{what}, {text}, {largest}")
 
 
 def _beyond(trajectory: Trajectory) -> Iterator[tuple[str, np.ndarray]]:
     """What is beyond a limit, and in which rows."""
     ship, columns = section(trajectory.meta, "ship"), trajectory.columns
-    corridor = section(trajectory.meta, "config", "limits").get("corridor")  # [L]
-    if corridor is not None and "off_route" in columns and "L" in ship:
-        width = corridor * ship["L"]
-        yield f"outside the corridor of {width:.3g} m", np.abs(columns["off_route"]) > width
+    corridor = section(trajectory.meta, "limits").get("corridor")  # [m]
+    if corridor is not None and "off_route" in columns:
+        yield f"outside the corridor of {corridor:.3g} m", np.abs(columns["off_route"]) > corridor
     if {"u", "v", "psi"} <= columns.keys() and ship.get("speed"):
         slow = _speed(columns) < _SLOW * ship["speed"]
         yield "slower through the water than half the nominal speed", slow

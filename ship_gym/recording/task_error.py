@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ship_gym.recording.trajectory import Trajectory
 
 DEGREE = "\N{DEGREE SIGN}"
+_ANGLES = {"rad": "deg", "rad/s": "deg/s"}  # as people read them
 _COME = 0.1  # share of its first value at which an error has come down, or by which it has grown
 _MOST_STEPS = 60  # more changes of an order are no steps, but an order that moves all the time
 
@@ -50,9 +51,10 @@ def task_error(trajectory: Trajectory) -> TaskError | None:
     columns, named = trajectory.columns, section(trajectory.meta, "error")
     if named.get("column") in trajectory:
         values, unit = trajectory[named["column"]], str(named.get("unit", ""))
-        label = str(named.get("label", named["column"])).lower()
-        size = np.degrees(1.0) if unit == "deg" else 1.0
-        return TaskError(label, unit, size * values, unit == "deg")
+        label = str(named.get("label", named["column"]))
+        if unit in _ANGLES:
+            values, unit = np.degrees(values), _ANGLES[unit]
+        return TaskError(label, unit, values, unit == "deg")
     for name, label in (("off_route", "distance to the route"), ("cross_track_error",) * 2):
         if name in trajectory:
             return TaskError(label.replace("_", " "), "m", trajectory[name], False)

@@ -13,7 +13,7 @@ from ship_gym.recording.task_error import task_error
 from ship_gym.tasks.bridge import SATURATED
 
 SHIP = {"name": "kcs", "L": 230.0, "scale": 1.0, "speed": 7.0, "delta_max": 0.6, "n_max": 2.0}
-CONFIG = {"control_interval": 1.0, "limits": {"corridor": 1.0}}
+CONFIG = {"control_interval": 1.0}
 
 
 def run(columns=None, rows: int = 200, **meta) -> Trajectory:
@@ -76,11 +76,17 @@ def test_new_order_gives_an_error_that_is_not_made():
 def test_error_of_the_meta_comes_first():
     column = np.zeros(200)
     column[70] = -2.0
-    named = {"column": "too_fast", "label": "Speed above the order", "unit": "m/s"}
+    named = {"column": "too_fast", "label": "speed above the order", "unit": "m/s"}
     trajectory = run({"too_fast": column}, error=named)
     assert task_error(trajectory).unit == "m/s"
     assert of("error", trajectory) == [(70.0, "largest speed above the order -2 m/s")]
     assert worst_moment(trajectory) == 70.0
+
+
+def test_angles_of_the_meta_are_shown_in_degrees():
+    named = {"column": "psi", "label": "heading error", "unit": "rad"}
+    found = task_error(run({"psi": np.full(200, 0.5 * math.pi)}, error=named))
+    assert (found.unit, found.values[0], found.stepped) == ("deg", 90.0, True)
 
 
 def test_failed_run_is_worst_at_its_end():
@@ -134,7 +140,7 @@ def test_limits_of_corridor_speed_engine_and_tables():
         "extrapolation": np.where(t == 100, 0.25, 0.0),
     }
     ship = SHIP | {"power_max": 2.0 * math.pi * 2.0 * 1e6}
-    assert of("limit", run(columns, ship=ship)) == [
+    assert of("limit", run(columns, ship=ship, limits={"corridor": 230.0})) == [
         (20.0, "outside the corridor of 230 m, 40 s"),
         (30.0, "slower through the water than half the nominal speed, 10 s"),
         (100.0, "propeller or rudder outside their trained box, 1.0 s, by up to 25 % of its size"),
@@ -181,19 +187,20 @@ def manoeuvre(columns, **config) -> Trajectory:
 def test_turning_circle_has_its_quarters():
     t = np.arange(1001.0)
     columns = {"t": t, "psi": -0.01 * t, "r": -0.01 + 0.0 * t, "delta_command": -0.6 + 0.0 * t}
-    found = of("leg", manoeuvre(columns, manoeuvre="turning_circle"))
+    trajectory = manoeuvre(columns, manoeuvre="turning_circle")
+    fastest, *found = of("leg", trajectory)
+    assert fastest == (0.0, "fastest turn, 0.57\N{DEGREE SIGN}/s to port")
+    assert worst_moment(trajectory) == 0.0
     assert [text.split("\N{DEGREE SIGN}")[0] for _, text in found] == "90 180 270 360 540".split()
     assert found[0][0] == math.ceil(50.0 * math.pi)
-    assert of("end", manoeuvre(columns, manoeuvre="turning_circle")) == [
-        (1000.0, "end of the manoeuvre")
-    ]
+    assert of("end", trajectory) == [(1000.0, "end of the manoeuvre")]
 
 
 def test_zigzag_has_its_orders_and_where_the_heading_turns_back():
     t = np.arange(0.0, 120.0)
     psi = np.radians(15.0) * np.sin(2.0 * math.pi * t / 80.0)
     command = np.radians(np.where((t < 12) | (t >= 50), 10.0, -10.0))
-    columns = {"t": t, "psi": psi, "r": np.gradient(psi, t), "delta_command": command}
+    columns = {"t": t, "psi": psi, "delta_command": command}
     found = of("leg", manoeuvre(columns, manoeuvre="zigzag"))
     assert found == [
         (12.0, "rudder ordered 10\N{DEGREE SIGN} to port"),

@@ -7,6 +7,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from ship_gym.recording.panels import STEERING, Panel
+from ship_gym.recording.rerun_export.annotations import CARD, marks_view
 from ship_gym.recording.rerun_export.log import TIMELINE
 from ship_gym.recording.rerun_export.plots import plot_view
 
@@ -53,8 +54,8 @@ def plan_view(low: np.ndarray, high: np.ndarray) -> rrb.Spatial2DView:
 def text_views() -> list[rrb.View]:
     """Card of the run and its marks."""
     return [
-        rrb.TextDocumentView(origin="/about", name="Card"),
-        rrb.TextLogView(origin="/marks", name="Marks"),
+        rrb.TextDocumentView(origin=f"/{CARD}", name="Card"),
+        marks_view(),
     ]
 
 

@@ -7,8 +7,10 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from ship_gym.recording import hull_shape, plan, scene
-from ship_gym.recording.about import about_text, run_name
-from ship_gym.recording.panels import motion_panels, steering_panels
+from ship_gym.recording.card import run_name
+from ship_gym.recording.marks import marks
+from ship_gym.recording.panels import Panel, motion_panels, steering_panels
+from ship_gym.recording.rerun_export.annotations import send_card, send_marks, send_points
 from ship_gym.recording.rerun_export.blueprint import (
     FOLLOWED,
     blueprint,
@@ -19,7 +21,7 @@ from ship_gym.recording.rerun_export.blueprint import (
     whole,
 )
 from ship_gym.recording.rerun_export.log import Output, log, log_style
-from ship_gym.recording.rerun_export.plots import send_panels
+from ship_gym.recording.rerun_export.plots import marked_line, send_panels
 from ship_gym.recording.rerun_export.rows import changes, send_chosen, shown_rows, slow_rows
 from ship_gym.recording.rerun_export.water import send_water
 from ship_gym.recording.surface import wave_grid
@@ -48,7 +50,10 @@ def send_picture(out: Output, trajectory: Trajectory) -> None:
         views = [scene_view(columns, length, row, title), pages]
     send_panels(out, t, often, seldom, panels)
     if out.fixed:
-        send_about(out, trajectory)
+        send_card(out, trajectory)
+        if not live:  # of a run that is on, the marks come at its end
+            send_marks(out, trajectory)
+            _send_points(out, trajectory, panels)
         out.stream.send_recording_name(run_name(meta))
         times = latest() if live else whole(t)
         out.stream.send_blueprint(blueprint(*times, views, panels, t, live))
@@ -56,8 +61,18 @@ def send_picture(out: Output, trajectory: Trajectory) -> None:
 
 
 def send_about(out: Output, trajectory: Trajectory) -> None:
-    """Send the page that says what was run."""
-    log(out, "about", rr.TextDocument(about_text(trajectory), media_type="text/markdown"))
+    """Send the card of a run, and its marks."""
+    send_card(out, trajectory)
+    send_marks(out, trajectory)
+
+
+def _send_points(out: Output, trajectory: Trajectory, panels: list[Panel]) -> None:
+    """Send the marks as points on the lines that a reader follows."""
+    found = marks(trajectory)
+    for panel in panels:
+        line = marked_line(panel)
+        if line is not None:
+            send_points(out, trajectory["t"], panel, found, line)
 
 
 def _title(meta) -> str:

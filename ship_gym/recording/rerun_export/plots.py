@@ -71,6 +71,14 @@ def _component(panel: Panel, live: bool) -> tuple[str, type]:
     return f"{panel.name}_32", np.float32
 
 
+def marked_line(panel: Panel) -> int | None:
+    """Number of the line on which the marks of a run are points; None: on none of this plot."""
+    if panel.topic != STEERING or panel.name in ("speed", "reward"):
+        return None
+    labels = [series.label for series in panel.series]
+    return next((labels.index(name) for name in ("true", "achieved") if name in labels), 0)
+
+
 def plot_view(panel: Panel, t: np.ndarray, axis: rr.TimeRange, live: bool) -> rrb.TimeSeriesView:
     """View of one plot; the axes of a run that is over show all of it."""
     lines = rr.SeriesLines(
@@ -87,7 +95,7 @@ def plot_view(panel: Panel, t: np.ndarray, axis: rr.TimeRange, live: bool) -> rr
     look = {} if live else _look(panel, t)
     return rrb.TimeSeriesView(
         origin=f"/{path}",
-        contents=f"/{path}",
+        contents=[f"/{path}", f"/{panel.path}/**"],
         name=panel.title,
         overrides={path: lines.visualizer(mappings=[source])},
         axis_x=rrb.TimeAxis(view_range=axis),
