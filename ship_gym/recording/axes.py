@@ -53,7 +53,7 @@ def y_range(
 
 
 def _without_peaks(lines: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Lines cut at what nine tenths of the rows of the widest one stay within, on both sides of zero."""
+    """Lines cut on both sides of zero at what nine tenths of the rows of the widest stay within."""
     most = max(float(np.quantile(np.abs(line), _USUAL_SHARE)) for line in lines)
     return [np.clip(line, -most, most) for line in lines] if most > 0.0 else list(lines)
 
