@@ -46,6 +46,8 @@ PARALLEL_FROM = (
 
 
 _MADE = ("fleet", "_sail")  # of the arrays, at the first step
+# arrays of a fleet with a row for each ship, beside those of the water
+_OF_SHIPS = ("state", "commands", "time", "clock", "ships", "seas", "forces", "flow", "met")
 
 
 class SimulationDiverged(RuntimeError):
@@ -292,6 +294,33 @@ class ShipSim:
     def sail(self) -> int:
         """As `advance`, but a state that is not finite is no error; returns how many are finite."""
         return sum(in_parts(self._sail, self.n, self.threads))
+
+    def loads_now(self, which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Forces and flow of some ships as they are now, at the start of the next interval.
+
+        That interval is sailed by copies of them; nothing of this simulation changes.
+
+        Parameters
+        ----------
+        which : numpy.ndarray
+            Indices, shape (m,).
+
+        Returns
+        -------
+        forces, flow : numpy.ndarray
+            Shapes (m, N_FORCES, 3) and (m, 7 or 19), bit for bit what `sail` would leave in the
+            attributes of these names.
+        """
+        fleet = self.fleet
+        rows = {name: getattr(fleet, name)[which] for name in _OF_SHIPS}
+        water = fleet.water
+        waves = water.waves._replace(phases=water.waves.phases[which])
+        water = water._replace(
+            waves=waves, gust_phases=water.gust_phases[which], harmonics=water.harmonics[which]
+        )
+        copied = fleet._replace(water=water, **rows)
+        sail_rows(0, len(which), copied)
+        return copied.forces, copied.flow
 
     @property
     def threads(self) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from gymnasium.utils import seeding
@@ -36,6 +36,22 @@ from ship_gym.tasks.rewards import COSTS
 _KEY_BITS = 2.0**32
 
 
+class Watcher(Protocol):
+    """What follows a batch, see ``EpisodeBatch.watch``."""
+
+    def leave(self, which: np.ndarray) -> None:
+        """Some episodes, shape (m,), are about to begin anew; their ships are where they were."""
+
+    def begin(self, which: np.ndarray, given: Mapping[str, np.ndarray]) -> None:
+        """They have begun, with the options `given` (``EpisodeBatch.start``)."""
+
+    def before(self) -> None:
+        """An interval begins; ``actions`` are those of it, all else is of its start."""
+
+    def after(self) -> None:
+        """It has been sailed; no episode that it ended has begun anew yet."""
+
+
 class EpisodeBatch:
     """n ships under way in one scenario; knows nothing of spaces and autoreset.
 
@@ -54,6 +70,8 @@ class EpisodeBatch:
     ----------
     observations : numpy.ndarray
         float32, shape (n, n_observations), columns of ``tasks.observations_of``.
+    actions : numpy.ndarray
+        Of the last interval as they were given, before any limit, shape (n, n_actions).
     rewards, terminated, truncated : numpy.ndarray
         Shape (n,), of the last interval.
     outcomes : numpy.ndarray
@@ -83,6 +101,7 @@ class EpisodeBatch:
     ):
         self.scenario, self.n = scenario, n
         self._made: Loops | None = None
+        self._watching: list[Watcher] = []
         if ship is None:
             ship = load_ship(scenario.ship, surrogate=scenario.surrogate)
         different, numbers = numbered([ship] if isinstance(ship, Ship) else list(ship))
@@ -138,7 +157,7 @@ class EpisodeBatch:
 
     def _make_loops(self) -> Loops:
         episodes = Episodes(
-            self._actions, self._before, self.tasks, self._results, self.plans, self.terms,
+            self.actions, self._before, self.tasks, self._results, self.plans, self.terms,
             self.observations, self._failures, self._aims, self._diverged, self._failure(),
             self._privileged_from,
         )  # fmt: skip
@@ -195,7 +214,7 @@ class EpisodeBatch:
         outcomes = self.task.all_outcomes
         self._failures = np.array([outcome.failed for outcome in outcomes])
         self._aims = np.array([outcome.reached for outcome in outcomes])
-        self._actions = np.zeros((n, self.n_actions))
+        self.actions = np.zeros((n, self.n_actions))
         self._diverged = np.zeros(n, dtype=np.bool_)
 
     @property
@@ -254,6 +273,8 @@ class EpisodeBatch:
         """
         sim, tasks, given = self.sim, self.tasks, given or {}
         which = np.ascontiguousarray(which, dtype=np.int64)
+        for watcher in self._watching:
+            watcher.leave(which)
         if "speed" in given:
             self._check_speed(which, given["speed"])
         if "sea_seed" in given:
@@ -282,6 +303,8 @@ class EpisodeBatch:
         sim.set_sea(which, phases, waves_to)
         try_kernels(self.task, self._loops, len(self.reward_terms))
         self.observe(which)
+        for watcher in self._watching:
+            watcher.begin(which, given)
 
     def _draw_ships(self, which: np.ndarray, uniform: np.ndarray) -> None:
         """Draw the ships of some episodes, with everything in order."""
@@ -323,16 +346,32 @@ class EpisodeBatch:
         """Sail one control interval under actions of shape (n, n_actions)."""
         if not self._begun:
             raise ConfigError("step before reset: call reset first")
-        self._actions[:] = shaped_actions(actions, self.n, self.scenario.control)
+        self.actions[:] = shaped_actions(actions, self.n, self.scenario.control)
+        watching = self._watching
+        if watching:
+            for watcher in watching:
+                watcher.before()
         lost = in_parts(self._loops.interval, self.n, self.sim.threads)
         if any(lost):
             self._told(min(lost))
+        if watching:
+            for watcher in watching:
+                watcher.after()
+
+    def watch(self, watcher: Watcher) -> None:
+        """Call a watcher at every interval and start from now on; a copy has none."""
+        self._watching.append(watcher)
+
+    def unwatch(self, watcher: Watcher) -> None:
+        """Call it no more."""
+        if watcher in self._watching:
+            self._watching.remove(watcher)
 
     def _told(self, lost: int) -> None:
         """What the interval has found: a bad action or outcome, or ships that are none any more."""
         if lost == BAD_ACTION:
-            row = int(np.flatnonzero(~np.isfinite(self._actions).all(axis=1))[0])
-            action = self._actions[row].tolist()
+            row = int(np.flatnonzero(~np.isfinite(self.actions).all(axis=1))[0])
+            action = self.actions[row].tolist()
             raise ConfigError(f"action {row} = {action}: must be finite, in [-1, 1]")
         if lost == BAD_OUTCOME:
             check_outcomes(self.task, self.outcomes)
@@ -437,7 +476,7 @@ class EpisodeBatch:
         """Without the views and what is made of the arrays: a copy would lose their ties."""
         made = ("_layout", "_buffer")
         kept = {key: value for key, value in self.__dict__.items() if key not in made}
-        return kept | {"_made": None}
+        return kept | {"_made": None, "_watching": []}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """With arrays side by side again; of the type that numba knows by its identity."""

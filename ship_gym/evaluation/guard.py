@@ -75,12 +75,15 @@ class Guarded:
 
     Attributes
     ----------
+    file : path or None
+        What the controller was loaded from, if it says.
     seconds : list of float
         How long each call of ``act`` took, for all rows together.
     """
 
     def __init__(self, controller: Controller, seeds: Sequence[int], allowed: float | None = None):
         self.controller, self.name = controller, controller.name
+        self.file = getattr(controller, "file", None)
         self.seeds, self.allowed = tuple(int(seed) for seed in seeds), allowed
         self.seconds: list[float] = []
 

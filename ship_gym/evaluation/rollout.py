@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-import math
-from collections.abc import Mapping, Sequence
+import functools
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,10 @@ from gymnasium.utils import seeding
 from ship_gym.config import ConfigError
 from ship_gym.conventions import polar
 from ship_gym.envs.env import resolved_scenario
+from ship_gym.envs.episode_log import EpisodeLog
+from ship_gym.envs.episode_record import Conditions, Setting, conditions_of, policy_meta, weather_of
 from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.envs.streamed import Streamed, about_run
 from ship_gym.evaluation.controller import Controller, check_controller
 from ship_gym.evaluation.guard import Guarded
 from ship_gym.evaluation.splits import (  # noqa: F401, names of old
@@ -23,19 +28,11 @@ from ship_gym.evaluation.splits import (  # noqa: F401, names of old
     tuning_seeds,
 )
 from ship_gym.provenance import provenance
-from ship_gym.recording.about import ship_meta
-from ship_gym.recording.panels import plots_meta
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
-from ship_gym.simulation import history_columns
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.base import Task
-from ship_gym.tasks.rewards import COSTS
-
-_HISTORIES = ("time", "states", "commands", "forces", "flow", "waves")
-_START = ("time", "states", "waves")  # of an interval
-_DURING = ("commands", "forces", "flow")  # the engine's, at the start of the interval
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -62,8 +59,9 @@ class Rollout:
     histories : dict
         ``time`` [s] (T+1, n), ``states`` (T+1, n, 8), ``commands`` (T+1, n, 2), ``forces``
         (T+1, n, N_FORCES, 3), ``flow`` (T+1, n, 7; 19 of a ship with two propellers), ``waves``
-        (T+1, n, 9), what the task keeps (its ``history``, such as ``psi_ordered``, T+1, n),
-        ``terms`` (T, n, terms), ``rewards`` (T, n).
+        (T+1, n, 10), ``observations`` (T+1, n, columns), ``actions`` (T+1, n, 1 or 2), what the
+        task keeps (its ``history``, such as ``psi_ordered``, T+1, n), ``terms`` (T, n, terms),
+        ``rewards`` (T, n); see ``envs.episode_log``.
     plans : numpy.ndarray
         Orders or way-points of each episode, as ``EpisodeBatch.plans``.
     weather : dict
@@ -71,8 +69,12 @@ class Rollout:
         [m/s], ``wind_direction_to`` [rad], shapes (n,).
     current : numpy.ndarray
         Speed [m/s] and direction it flows to [rad, from north], shape (n, 2).
+    waves : numpy.ndarray
+        Of each episode as ``sea.records.Waters.waves_of``, shape (n, 5, N).
     randomisation : dict
         What was drawn for the ships, by name, shapes (n,); empty if nothing is.
+    policy : dict or None
+        ``file`` and ``sha256`` of what the controller was loaded from, if it says (`file`).
     provenance : dict
     """
 
@@ -86,7 +88,9 @@ class Rollout:
     plans: np.ndarray
     weather: dict[str, np.ndarray]
     current: np.ndarray
+    waves: np.ndarray
     randomisation: dict[str, np.ndarray]
+    policy: dict[str, str] | None
     provenance: dict[str, object]
 
     def __len__(self) -> int:
@@ -121,41 +125,23 @@ class Rollout:
         repeats the last command, its forces are those at that state, its reward is 0.
         """
         rows = slice(0, self.lengths[i] + 1)
-        parts = [self.histories[name][rows, i] for name in _HISTORIES]
-        columns = history_columns(*parts)
-        history = {name: self.histories[name][rows, i] for name in self.task.history}
-        columns |= self.task.columns(columns, history, self.plans[i])
-        columns["current_speed"] = np.full(len(columns["t"]), self.current[i, 0])
-        columns["current_direction_to"] = np.full(len(columns["t"]), self.current[i, 1])
-        if self.weather["wind_speed"][i] > 0.0:
-            origin = (self.weather["wind_direction_to"][i] + math.pi) % (2.0 * math.pi)
-            columns["wind_speed"] = np.full(len(columns["t"]), self.weather["wind_speed"][i])
-            columns["wind_direction_from"] = np.full(len(columns["t"]), origin)
-        sailed = slice(0, self.lengths[i])
-        columns["reward"] = np.append(self.histories["rewards"][sailed, i], 0.0)
-        for k, term in enumerate((*self.task.terms, *COSTS)):
-            columns[f"reward_{term.name}"] = np.append(self.histories["terms"][sailed, i, k], 0.0)
-        return Trajectory(columns, self._meta(i))
+        histories = {name: kept[rows, i] for name, kept in self.histories.items()}
+        about = about_run(self.controller, self.policy, self.seeds[i], self.provenance)
+        return self._conditions(i).trajectory(histories, int(self.outcomes[i]), about)
 
-    def _meta(self, i: int) -> dict[str, Any]:
-        terminated = bool(self.terminated[i])
-        outcome = self.task.all_outcomes[self.outcomes[i]].name
-        return {
-            "task": self.scenario.task,
-            "controller": self.controller,
-            "seed": self.seeds[i],
-            "config": self.scenario.to_dict(),
-            "ship": ship_meta(self.ship),
-            "randomisation": {k: z[i].item() for k, z in self.randomisation.items()},
-            "sea": {k: values[i].item() for k, values in self.weather.items()},
-            "terminated": terminated,
-            "truncated": not terminated,
-            "outcome": outcome if terminated else "end of time",
-            "failed": bool(self.failed[i]),
-            **self.task.meta(self.plans[i]),
-            **plots_meta(self.task.plots),
-            **self.provenance,
-        }
+    @functools.cached_property
+    def _setting(self) -> Setting:
+        return Setting(self.scenario, self.ship)
+
+    def _conditions(self, i: int) -> Conditions:
+        return Conditions(
+            self._setting,
+            self.plans[i],
+            {name: values[i].item() for name, values in self.weather.items()},
+            tuple(self.current[i].tolist()),
+            {name: values[i].item() for name, values in self.randomisation.items()},
+            self.waves[i],
+        )
 
 
 def begin(
@@ -206,6 +192,7 @@ def rollout(
     overrides: Mapping[str, Any] | None = None,
     parallel: bool | None = None,
     progress: Any = False,
+    record: Mapping[int, str | os.PathLike] | None = None,
 ) -> Rollout:
     """Sail one episode per seed under one controller.
 
@@ -222,6 +209,9 @@ def rollout(
         As in ``ShipSim``.
     progress : callable or False
         Wraps the iterable of control intervals, e.g. ``tqdm.tqdm``; False: nothing is shown.
+    record : mapping of int to path, optional
+        Index of an episode to the file ``*.rrd`` that it is recorded into while it sails. A run
+        that breaks off leaves what it has as ``*.rrd.partial``.
 
     Returns
     -------
@@ -233,7 +223,10 @@ def rollout(
         What `begin` refuses, and what the controller itself does in its ``reset``.
     ControllerFailed
         The controller raised or gave what is no action; says where.
+    OSError
+        A recording cannot be written; what cannot be begun is said before the first interval.
     """
+    _check_record(record, len(seeds))
     env = {"ship": ship, "control": control, "surrogate": surrogate}
     env |= {"privileged": privileged, "overrides": overrides}
     check_controller(controller, type(controller).__name__)
@@ -241,88 +234,83 @@ def rollout(
     if not isinstance(controller, Guarded):
         controller = Guarded(controller, seeds)
     controller.reset(batch.n, batch.ship, batch.scenario)
-    log = _Log(batch)
-    steps = range(batch.scenario.steps)
-    for k in progress(steps) if progress else steps:
-        log.sail(k, controller.act(batch.observations))
-        if log.ended.all():
-            break
-    log.close(k + 1)
-    current = polar(batch.sim.seas["V_north"], batch.sim.seas["V_east"])
+    current = polar(batch.sim.seas["mean_north"], batch.sim.seas["mean_east"])
+    made, policy = provenance(), policy_meta(controller.file)
+    log = EpisodeLog(batch, batch.n, batch.scenario.steps)
+    log.begin(np.arange(batch.n))
+    abouts = {i: about_run(controller.name, policy, int(seeds[i]), made) for i in record or ()}
+    with _streams(log, record or {}, abouts) as streams:
+        outcomes = _sail(log, controller, streams, progress)
     return Rollout(
         controller=controller.name,
         scenario=batch.scenario,
         ship=batch.ship,
         seeds=tuple(int(seed) for seed in seeds),
         lengths=log.lengths,
-        outcomes=log.outcomes,
-        histories=log.histories,
+        outcomes=outcomes,
+        histories=log.whole(),
         plans=batch.plans,
         weather=weather_of(batch),
         current=np.column_stack(current),
+        waves=np.stack([batch.sim.water.waves_of(i) for i in range(batch.n)]),
         randomisation=batch.randomisation(),
-        provenance=provenance(),
+        policy=policy,
+        provenance=made,
     )
 
 
-def weather_of(batch: EpisodeBatch) -> dict[str, np.ndarray]:
-    """Waves and wind of episodes that have begun, as ``Rollout.weather``."""
-    seas, tasks = batch.sim.seas, batch.tasks
-    wind_speed, wind_to = polar(seas["wind_north"], seas["wind_east"])
-    return {
-        "wave_height": tasks["wave_height"].copy(),
-        "wave_period": tasks["wave_period"].copy(),
-        "wave_direction_to": tasks["wave_to"] % (2.0 * math.pi),
-        "wind_speed": wind_speed,
-        "wind_direction_to": wind_to,
-    }
+def _check_record(record: Any, n: int) -> None:
+    """Refuse what is no mapping of the indices of n episodes to files."""
+    if record is None:
+        return
+    if not isinstance(record, Mapping):
+        raise ConfigError(f"record = {record!r}: must map indices of episodes to files '*.rrd'")
+    for i in record:
+        whole = isinstance(i, int | np.integer) and not isinstance(i, bool)
+        if not (whole and 0 <= i < n):
+            raise ConfigError(f"record: episode {i!r}: allowed are 0 to {n - 1}")
 
 
-class _Log:
-    """Histories of a batch while it sails."""
+def _sail(
+    log: EpisodeLog, controller: Guarded, streams: dict[int, Streamed], progress: Any
+) -> np.ndarray:
+    """Sail all episodes of a log to their ends; returns their outcomes, shape (n,)."""
+    batch, steps = log.batch, range(log.batch.scenario.steps)
+    outcomes = np.zeros(batch.n, dtype=np.int64)
+    ended = np.zeros(batch.n, dtype=np.bool_)
+    for _ in progress(steps) if progress else steps:
+        actions = controller.act(batch.observations)
+        log.before()
+        batch.step(actions)
+        log.after()
+        new = ~ended & (batch.terminated | batch.truncated)
+        if new.any():
+            outcomes[new] = batch.outcomes[new]
+            log.end(np.flatnonzero(new))
+            ended |= new
+        for i in [i for i in streams if new[i]]:
+            streams.pop(i).finish(int(outcomes[i]))
+        for stream in streams.values():
+            stream.follow()
+        if ended.all():
+            break
+    return outcomes
 
-    def __init__(self, batch: EpisodeBatch):
-        self.batch, sim = batch, batch.sim
-        self._now = {
-            "time": sim.time,
-            "states": sim.state,
-            "commands": sim.commands,
-            "forces": sim.forces,
-            "flow": sim.flow,
-            "waves": sim.waves,
-            **{name: batch.tasks[name] for name in batch.task.history},
-        }
-        self._start = (*_START, *batch.task.history)
-        self._earned = {"terms": batch.terms, "rewards": batch.rewards}
-        rows = batch.scenario.steps
-        shapes = {name: (rows + 1, *a.shape) for name, a in self._now.items()}
-        shapes.update({name: (rows, *a.shape) for name, a in self._earned.items()})
-        self.histories = {name: np.zeros(shape) for name, shape in shapes.items()}
-        self.lengths = np.full(batch.n, rows)
-        self.ended = np.zeros(batch.n, dtype=np.bool_)
-        self.outcomes = np.zeros(batch.n, dtype=np.int64)
 
-    def sail(self, k: int, actions: np.ndarray) -> None:
-        """Sail interval k and keep its start, its forces and its reward."""
-        for name in self._start:
-            self.histories[name][k] = self._now[name]
-        self.batch.step(actions)
-        for name in _DURING:
-            self.histories[name][k] = self._now[name]
-        for name, values in self._earned.items():
-            self.histories[name][k] = values
-        new = ~self.ended & (self.batch.terminated | self.batch.truncated)
-        self.lengths[new] = k + 1
-        self.outcomes[new] = self.batch.outcomes[new]
-        self.ended |= new
-
-    def close(self, k: int) -> None:
-        """Fill row k, the final state, with the forces that one more step finds at its start."""
-        sim = self.batch.sim
-        for name in self._start:
-            self.histories[name][k] = self._now[name]
-        sim.sail()
-        for name in _DURING:  # finite too where a ship has diverged
-            self.histories[name][k] = np.nan_to_num(self._now[name], posinf=0.0, neginf=0.0)
-        last = self.lengths, np.arange(self.batch.n)
-        self.histories["commands"][last] = self.histories["commands"][last[0] - 1, last[1]]
+@contextlib.contextmanager
+def _streams(
+    log: EpisodeLog, record: Mapping[int, str | os.PathLike], abouts: Mapping[int, dict]
+) -> Iterator[dict[int, Streamed]]:
+    """Episodes on their way into files, by index; what is left at an error keeps its journal."""
+    log.before()
+    batch, made = log.batch, {}
+    setting = Setting(batch.scenario, batch.ship)
+    try:
+        for i, path in record.items():
+            made[i] = Streamed(path, log, i, conditions_of(batch, i, setting), abouts[i])
+        yield made
+    except BaseException:
+        for stream in made.values():
+            with contextlib.suppress(OSError):
+                stream.leave()
+        raise

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ship_gym.recording.recorder import Recorder
+from ship_gym.recording.sealed import DamagedRecording
 from ship_gym.recording.trajectory import Trajectory
 
-__all__ = ["Trajectory"]
+__all__ = ["DamagedRecording", "Recorder", "Trajectory"]

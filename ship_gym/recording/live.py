@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import socket
@@ -10,14 +9,15 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 
 import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import FORCE_AXES
-from ship_gym.provenance import atomic_path
 from ship_gym.recording.panels import plots_meta
+from ship_gym.recording.recorder import Recorder
 from ship_gym.recording.trajectory import Trajectory, import_rerun_export
 from ship_gym.ships.particulars import Ship
 
@@ -43,8 +43,8 @@ class LiveView:
         Of the recordings, such as the task.
     sink : path-like, optional
         Where the rows go instead of a viewer on this screen: a file ``*.rrd``, one for each episode
-        (``run.rrd``, ``run_2.rrd``, ...), which is there when the episode is closed; or the address
-        of a viewer, ``"rerun+http://host:9876/proxy"``.
+        (``run.rrd``, ``run_2.rrd``, ...), as a ``Recorder`` writes it; or the address of a viewer,
+        ``"rerun+http://host:9876/proxy"``.
 
     plots : sequence, optional
         Of the task's own columns, see ``panels.plots_meta``.
@@ -72,8 +72,9 @@ class LiveView:
         force = _FORCE * 0.5 * ship.rho * ship.hull.L * ship.hull.d * ship.speed**2
         self._largest = {"X": force, "Y": force, "N": force * ship.hull.L}
         self._episode = 0
-        self._files = contextlib.ExitStack()
-        self._out = None
+        self._out: Any = None  # of an episode in a viewer
+        self._recorder: Recorder | None = None  # of one in a file
+        self._last: float | None = None  # time of its last row; None: none has begun
         if self._sink is None:
             _check_screen()
         elif "://" in self._sink:
@@ -97,32 +98,28 @@ class LiveView:
         """
         _check_row(row)
         now = float(row["t"])
-        if self._out is not None and now < self._out.sent:
+        if self._last is not None and now < self._last:
             self._end_episode()
-        if self._out is None:
+        if self._last is None:
             self._begin_episode(row, track)
-        elif now == self._out.sent:
+        elif now == self._last:
             return
         self._append(row)
+        self._last = now
+        if self._recorder is not None:
+            self._recorder.add(self._rows[self._count - 1])
+            return
         trajectory = self._trajectory()
         self._out.fixed = self._anything_new(trajectory)
-        self._rerun.log_record(self._out, trajectory)
         self._rerun.send_picture(self._out, trajectory)
 
     def close(self) -> None:
         """End the episode and close the file; the viewer stays open."""
-        if self._out is not None:
+        if self._last is not None:
             self._end_episode()
 
     def _begin_episode(self, row: Mapping[str, float], track: np.ndarray | None) -> None:
         self._episode += 1
-        sink = self._sink
-        if sink is not None and "://" not in sink:
-            path = Path(sink)
-            name = path.stem if self._episode == 1 else f"{path.stem}_{self._episode}"
-            sink = str(self._files.enter_context(atomic_path(path.with_stem(name))))
-        stream = self._opened(sink)
-        self._out = self._rerun.Output(stream, largest=self._largest)
         # A wave-frequency motion that is zero at first is that of calm water; it is not shown.
         self._names = [k for k in row if not (k.startswith("wave_") and row[k] == 0.0)]
         self._hidden = [k for k in row if k not in self._names]
@@ -132,6 +129,13 @@ class LiveView:
         self._meta |= self._plots
         if track is not None:
             self._meta["waypoints"] = np.asarray(track).tolist()
+        if self._sink is not None and "://" not in self._sink:
+            path = Path(self._sink)
+            name = path.stem if self._episode == 1 else f"{path.stem}_{self._episode}"
+            self._recorder = Recorder(path.with_stem(name), self._meta, self._names)
+        else:
+            stream = self._opened(self._sink)
+            self._out = self._rerun.Output(stream, largest=self._largest)
 
     def _opened(self, sink: str | None):
         try:
@@ -173,11 +177,14 @@ class LiveView:
         return grown or changed
 
     def _end_episode(self) -> None:
-        out, self._out = self._out, None
-        self._rerun.send_about(out, self._trajectory())
-        out.stream.flush()
-        out.stream.disconnect()  # closes a file
-        self._files.close()
+        out, recorder = self._out, self._recorder
+        self._out = self._recorder = self._last = None
+        if recorder is not None:
+            recorder.finish(self._trajectory())
+        else:
+            self._rerun.send_about(out, self._trajectory())
+            out.stream.flush()
+            out.stream.disconnect()
 
 
 def _drawn(ship: Ship) -> dict[str, object]:

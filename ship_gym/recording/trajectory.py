@@ -54,7 +54,7 @@ class Trajectory:
         _check_lengths(columns)
         _check_time(columns["t"])
         object.__setattr__(self, "columns", columns)
-        object.__setattr__(self, "meta", _plain(dict(self.meta), "meta"))
+        object.__setattr__(self, "meta", plain(dict(self.meta), "meta"))
 
     def __len__(self) -> int:
         """Return the number of rows T."""
@@ -76,6 +76,11 @@ class Trajectory:
         """Column names in order, ``"t"`` first."""
         return list(self.columns)
 
+    @property
+    def complete(self) -> bool:
+        """Whether this is the whole run; False: it was killed, or its file was cut."""
+        return bool(self.meta.get("complete", True))
+
     def to_csv(self, path: str | os.PathLike) -> None:
         """Write a csv file: '# ' lines with the meta as JSON, a row of names, then the rows.
 
@@ -95,34 +100,42 @@ class Trajectory:
             writer.writerow(self.names)
             writer.writerows(rows)
 
-    def to_rrd(self, path: str | os.PathLike) -> None:
+    def to_rrd(self, path: str | os.PathLike, *, picture: bool = True) -> None:
         """Write a rerun recording that opens ready to read and holds every column exactly.
 
         Parameters
         ----------
         path : path-like
             File to write; an interrupted write leaves an existing file as it was.
+        picture : bool
+            Whether it holds what the viewer shows, or only the record.
 
         Raises
         ------
         ImportError
             If rerun-sdk is not installed.
+        OSError
+            If it cannot be written, as on a full disk; names the file.
         """
-        import_rerun_export().write_rrd(self, path)
+        import_rerun_export().write_rrd(self, path, picture=picture)
 
     @classmethod
-    def from_rrd(cls, path: str | os.PathLike) -> Trajectory:
+    def from_rrd(cls, path: str | os.PathLike, *, sealed: bool = True) -> Trajectory:
         """Read the columns and the meta back, bit for bit, from a file of `to_rrd`.
 
         Parameters
         ----------
         path : path-like
             A ``.rrd`` file written by `to_rrd`.
+        sealed : bool
+            False: a file that rerun's own tools have rewritten; its columns and its meta are still
+            compared with their checksums, but rerun reads its bytes before.
 
         Returns
         -------
         Trajectory
-            Equal in every bit of every column, and in the meta.
+            Equal in every bit of every column, and in the meta. Of a file that was cut the rows
+            before the cut, with ``complete`` false.
 
         Raises
         ------
@@ -130,10 +143,28 @@ class Trajectory:
             If rerun-sdk is not installed.
         FileNotFoundError
             If there is no such file.
-        ValueError
-            If the file is no recording of Ship Gym.
+        DamagedRecording
+            A ValueError: the file is not as it was written, or is no recording of Ship Gym.
         """
-        return cls(*import_rerun_export().read_rrd(path))
+        return cls(*import_rerun_export().read_rrd(path, sealed=sealed))
+
+    @classmethod
+    def from_file(cls, path: str | os.PathLike) -> Trajectory:
+        """Read a recording ``*.rrd``, or the journal ``*.rrd.partial`` of a run that was killed.
+
+        Raises
+        ------
+        ValueError
+            A file of another name; and what `from_rrd` raises.
+        """
+        name = os.fspath(path)
+        if name.endswith(".rrd"):
+            return cls.from_rrd(path)
+        if name.endswith(".rrd.partial"):
+            from ship_gym.recording.journal import read_journal
+
+            return cls(*read_journal(path))
+        raise ValueError(f"{path}: a recording is a file *.rrd or *.rrd.partial")
 
 
 def import_rerun_export():
@@ -181,8 +212,8 @@ def _check_time(t: np.ndarray) -> None:
         raise ValueError(f"column 't' does not increase at row {row}: {t[row - 1]} then {t[row]}")
 
 
-def _plain(value: object, where: str) -> object:
-    """Turn `value` into what JSON gives back, so that a round trip is exact."""
+def plain(value: object, where: str) -> object:
+    """Turn `value` into what JSON gives back, so that a round trip is exact, or say why not."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if value is None or isinstance(value, bool | str):
@@ -197,7 +228,7 @@ def _plain(value: object, where: str) -> object:
         odd = [key for key in value if not isinstance(key, str)]
         if odd:
             raise ValueError(f"{where} has a key that is not a string: {odd[0]!r}")
-        return {str(key): _plain(entry, f"{where}[{key!r}]") for key, entry in value.items()}
+        return {str(key): plain(entry, f"{where}[{key!r}]") for key, entry in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(entry, f"{where}[{i}]") for i, entry in enumerate(value)]
+        return [plain(entry, f"{where}[{i}]") for i, entry in enumerate(value)]
     raise ValueError(f"{where} is a {type(value).__name__}, which JSON cannot hold")

@@ -7,7 +7,7 @@ import functools
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from ship_gym.config import ConfigError, build, check_known, check_number, merged, read_toml
 from ship_gym.scenarios.sea_range import SeaRange
@@ -68,6 +68,10 @@ class Scenario:
     randomisation: Randomisation = dataclasses.field(default_factory=Randomisation)
     failure: Failure = dataclasses.field(default_factory=Failure)
 
+    # What it was loaded from: its name and the values there. No field, so that it is no part of
+    # what defines an environment: two scenarios of the same values are equal.
+    _source: ClassVar[tuple[str, Mapping[str, Any]] | None] = None
+
     def __post_init__(self):
         check_known("control", self.control, ACTIONS)
         check_number("speed", self.speed, 0.1, 2.0)
@@ -90,9 +94,27 @@ class Scenario:
         """Nested dict of plain values, as JSON keeps them; `load_scenario` takes it back."""
         return json.loads(json.dumps(dataclasses.asdict(self)))
 
+    @property
+    def source(self) -> str:
+        """Name or file by which it was asked for; of a mapping its base, else its task's own."""
+        return self._source[0] if self._source else self.task
+
+    def overrides(self) -> dict[str, Any]:
+        """Nested dict of what differs from `source`, with the values that hold here."""
+        name, values = self._source or (self.task, _read(self.task)[0])
+        try:
+            values = build(scenario_class(TASKS[values["task"]]), values, name).to_dict()
+        except (ConfigError, KeyError):
+            pass  # not whole without them
+        return _difference(self.to_dict(), values)
+
+    def with_duration(self, duration: float) -> Scenario:
+        """The same of another duration [full-scale s]."""
+        return _from(self._source, dataclasses.replace(self, duration=duration))
+
     def __reduce__(self):
         """Pickle by values: the class is made for the task."""
-        return load_scenario, (self.to_dict(),)
+        return _again, (self._source, self.to_dict())
 
 
 def task_sections(task: Task) -> dict[str, type]:
@@ -182,13 +204,48 @@ def load_scenario(
         Unknown scenario or key (with the nearest one), or a value that is not allowed.
     """
     if isinstance(scenario, Scenario):
-        scenario = scenario.to_dict()
-    values, where = _read(scenario)
+        source, scenario = scenario._source, scenario.to_dict()
+    else:
+        source = _source_of(scenario)
+    given, where = _read(scenario)
+    if source is None and not isinstance(scenario, Mapping):
+        source = (str(scenario), given)
     changes = _nested(overrides or {})
-    values = merged(_without_other_task(values, changes), changes)
+    values = merged(_without_other_task(given, changes), changes)
     if "task" not in values:
         raise ConfigError(f"{where}: missing key 'task'")
-    return build(scenario_class(TASKS[values["task"]]), values, where)
+    return _from(source, build(scenario_class(TASKS[values["task"]]), values, where))
+
+
+def _source_of(scenario: str | Path | Mapping[str, Any]) -> tuple[str, Mapping[str, Any]] | None:
+    """Name and values of the base of a mapping; None: it has none, or is no mapping."""
+    if isinstance(scenario, Mapping) and "base" in scenario:
+        return str(scenario["base"]), _read(scenario["base"])[0]
+    return None
+
+
+def _from(source: tuple[str, Mapping[str, Any]] | None, made: Scenario) -> Scenario:
+    """A scenario that knows what it was loaded from."""
+    object.__setattr__(made, "_source", source)
+    return made
+
+
+def _again(source: tuple[str, Mapping[str, Any]] | None, values: Mapping[str, Any]) -> Scenario:
+    """A scenario from a pickle."""
+    return _from(source, load_scenario(values))
+
+
+def _difference(values: Mapping[str, Any], base: Mapping[str, Any]) -> dict[str, Any]:
+    """Entries of a nested mapping that the base does not have, or has otherwise."""
+    found = {}
+    for key, value in values.items():
+        other = base.get(key)
+        if isinstance(value, Mapping) and isinstance(other, Mapping):
+            if inner := _difference(value, other):
+                found[key] = inner
+        elif key not in base or value != other:
+            found[key] = value
+    return found
 
 
 def _read(scenario: str | Path | Mapping[str, Any], depth: int = 0) -> tuple[dict[str, Any], str]:

@@ -11,6 +11,7 @@ from ship_gym.tasks import measures
 from ship_gym.tasks.base import (
     DIVERGED,
     RUNNING,
+    ErrorColumn,
     Metric,
     Moment,
     NoLimits,
@@ -39,6 +40,7 @@ __all__ = [
     "V",
     "X",
     "Y",
+    "ErrorColumn",
     "Metric",
     "Moment",
     "NoLimits",

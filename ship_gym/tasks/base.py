@@ -89,6 +89,14 @@ class Plot(NamedTuple):
     columns: tuple[str, ...]
 
 
+class ErrorColumn(NamedTuple):
+    """The column of a recording that the task judges, its name for people and its unit in SI."""
+
+    column: str
+    label: str
+    unit: str
+
+
 class Moment(NamedTuple):
     """What the picture of a page shows: who steers, which episode, after how many intervals."""
 
@@ -254,6 +262,11 @@ class Task:
         ``meta(plan)``: further entries of the meta of a recording.
     plots : tuple of Plot
         Of its columns, in a recording.
+    error_column : ErrorColumn or None
+        Of its columns, the error that it judges.
+    limits : callable
+        ``limits(scenario, ship)``, a dict: what a picture draws beside that error and others, by
+        name, in SI or, of a name that ends in ``_deg``, in degrees.
     metrics : mapping
         Name to `Metric` of the task's own, in the order of a table.
     measure : callable or None
@@ -302,6 +315,8 @@ class Task:
     columns: Callable[[Mapping, Mapping, np.ndarray], dict[str, np.ndarray]] = _nothing
     meta: Callable[[np.ndarray], dict[str, Any]] = _nothing
     plots: tuple[Plot, ...] = ()
+    error_column: ErrorColumn | None = None
+    limits: Callable[[Any, Any], dict[str, float]] = _nothing
     metrics: Mapping[str, Metric] = dataclasses.field(default_factory=dict)
     measure: Callable[[Trajectory], dict[str, float]] | None = None
     headline: str = "return"

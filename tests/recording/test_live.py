@@ -11,8 +11,10 @@ from ship_gym.config import ConfigError
 from ship_gym.recording import Trajectory, live, panels
 from ship_gym.ships.loader import load_ship
 
-pytest.importorskip("rerun")
+rr = pytest.importorskip("rerun")
 chunk = pytest.importorskip("rerun.chunk")
+
+from ship_gym.recording.rerun_export import read_chunks  # noqa: E402 (needs rerun)
 
 pytestmark = pytest.mark.filterwarnings("error::rerun.error_utils.RerunWarning")
 
@@ -40,10 +42,10 @@ def streamed(ship, path, rows, track=None) -> Trajectory:
     return Trajectory.from_rrd(path)
 
 
-def lengths(path) -> dict[str, int]:
-    """Rows in time of each entity of a file."""
+def lengths(parts) -> dict[str, int]:
+    """Rows in time of each entity."""
     found: dict[str, int] = {}
-    for part in chunk.RrdReader(path).stream():
+    for part in parts:
         if not part.is_static:
             found[part.entity_path] = found.get(part.entity_path, 0) + part.num_rows
     return found
@@ -61,24 +63,56 @@ def test_streamed_rows_read_back(tmp_path, ship):
     assert run.meta["waypoints"] == [[0.0, 0.0], [9.0, 9.0]]
 
 
-def test_views_are_those_of_a_recording(tmp_path, ship):
+def watched(ship, path, rows, monkeypatch) -> None:
+    """Send rows as to a viewer, but into a file."""
+
+    def to_file(name, sink):
+        stream = rr.RecordingStream(name)
+        stream.save(path)
+        return stream
+
+    monkeypatch.setattr(live, "_check_listening", lambda address: None)
+    view = live.LiveView(ship, "heading_keeping", sink="rerun+http://127.0.0.1:9/proxy")
+    monkeypatch.setattr(view._rerun, "open_stream", to_file)
+    for row in rows:
+        view.show(row)
+    view.close()
+
+
+def test_views_are_those_of_a_recording(tmp_path, ship, monkeypatch):
     rows = [row_at(float(t)) for t in range(20)]
-    run = streamed(ship, tmp_path / "live.rrd", rows)
-    run.to_rrd(tmp_path / "run.rrd")
-    # The live file has every entity of the recording, with as many rows in time; but in its first
-    # row there is no force yet, so no arrow.
-    whole = lengths(tmp_path / "run.rrd")
-    assert whole["/world/at_ship/wave_force"] == 20
-    assert lengths(tmp_path / "live.rrd") == whole | {"/world/at_ship/wave_force": 19}
-    assert chunk.RrdReader(tmp_path / "live.rrd").blueprints()
-    files = (tmp_path / "live.rrd", tmp_path / "run.rrd")
-    entities = [{part.entity_path for part in chunk.RrdReader(path).stream()} for path in files]
-    assert entities[0] == entities[1]
+    streamed(ship, tmp_path / "run.rrd", rows)
+    watched(ship, tmp_path / "live.rrd", rows, monkeypatch)
+    # A viewer gets every entity of the recording but the record, with as many rows in time; but in
+    # its first row there is no force yet, so no arrow.
+    whole = read_chunks(tmp_path / "run.rrd")
+    shown = [part for part in whole if not part.entity_path.startswith("/record")]
+    found = chunk.RrdReader(tmp_path / "live.rrd")
+    sent = found.stream().to_chunks()
+    assert lengths(shown)["/world/at_ship/wave_force"] == 20
+    assert lengths(sent) == lengths(shown) | {"/world/at_ship/wave_force": 19}
+    assert found.blueprints()
+    assert {part.entity_path for part in sent} == {part.entity_path for part in shown}
 
 
-def test_the_sea_grows_with_the_way(tmp_path, ship):
+def test_a_killed_view_leaves_a_journal(tmp_path, ship):
+    view = live.LiveView(ship, "heading_keeping", sink=tmp_path / "run.rrd")
+    for t in range(40):
+        view.show(row_at(float(t)))
+    run = Trajectory.from_file(tmp_path / "run.rrd.partial")  # as it is now
+    assert len(run) == 32
+    assert not run.complete
+    view.close()
+    assert not (tmp_path / "run.rrd.partial").exists()
+
+
+def test_the_sea_grows_with_the_way(tmp_path, ship, monkeypatch):
     rows = [row_at(float(t), speed=100.0) for t in range(60)]  # leaves the first area
-    assert len(streamed(ship, tmp_path / "run.rrd", rows)) == 60
+    watched(ship, tmp_path / "live.rrd", rows, monkeypatch)
+    sent = chunk.RrdReader(tmp_path / "live.rrd").stream().to_chunks()
+    assert lengths(sent)["/world/ship"] == 60
+    seas = [part for part in sent if part.entity_path == "/world/sea"]
+    assert sum(part.num_rows for part in seas) > 1
 
 
 def test_a_row_of_the_past_begins_a_new_episode(tmp_path, ship):

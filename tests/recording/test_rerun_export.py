@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import gc
 import os
+import warnings
 
 import numpy as np
 import pytest
 
-from ship_gym.recording import Trajectory
+from ship_gym.recording import DamagedRecording, Trajectory
 
 rr = pytest.importorskip("rerun")
 chunk = pytest.importorskip("rerun.chunk")
@@ -38,7 +39,14 @@ def steered_run(rows: int = 60) -> Trajectory:
 
 
 def entities(path) -> set[str]:
-    return {part.entity_path for part in chunk.RrdReader(path).stream()}
+    return {part.entity_path for part in rerun_export.read_chunks(path)}
+
+
+def reader(path):
+    """Open a file with rerun's own reader, which warns that it has no manifest."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return chunk.RrdReader(path)
 
 
 def same(one: Trajectory, two: Trajectory) -> bool:
@@ -85,7 +93,7 @@ def test_everything_is_shown_and_small(tmp_path):
         assert f"/plots/{name}" in shown
     assert {"/plots/force_X", "/plots/force_Y", "/plots/force_N"} <= shown
     assert {"/plan/track", "/plan/ship", "/plan/grid", "/plan/route", "/about", "/marks"} <= shown
-    assert chunk.RrdReader(path).blueprints()
+    assert reader(path).blueprints()
 
 
 @pytest.mark.parametrize(
@@ -122,23 +130,38 @@ def test_several_recordings_in_one_process(tmp_path):
     gc.collect()
     for k, run in enumerate(runs):
         assert same(run, Trajectory.from_rrd(tmp_path / f"{k}.rrd"))
-        assert len(chunk.RrdReader(tmp_path / f"{k}.rrd").recordings()) == 1
+        assert len(reader(tmp_path / f"{k}.rrd").recordings()) == 1
     assert rr.get_global_data_recording() is None
     assert rr.get_thread_local_data_recording() is None
 
 
+def rewritten(run: Trajectory, folder):
+    """A file of `run` whose parts rerun has written again in another order."""
+    run.to_rrd(folder / "run.rrd")
+    again = chunk.LazyChunkStream.from_iter(rerun_export.read_chunks(folder / "run.rrd")[::-1])
+    again.write_rrd(folder / "again.rrd", application_id="a", recording_id="b")
+    return folder / "again.rrd"
+
+
 def test_rewritten_and_split_file_still_reads(tmp_path):
-    run = steered_run()
-    run.to_rrd(tmp_path / "run.rrd")
-    parts = list(chunk.RrdReader(tmp_path / "run.rrd").stream())[::-1]
-    again = chunk.LazyChunkStream.from_iter(parts)
-    again.write_rrd(tmp_path / "again.rrd", application_id="a", recording_id="b")
-    assert same(run, Trajectory.from_rrd(tmp_path / "again.rrd"))
+    run = steered_run(600)  # of several pieces
+    path = rewritten(run, tmp_path)
+    with pytest.raises(DamagedRecording, match=r"again\.rrd carries no seal .* record it again"):
+        Trajectory.from_rrd(path)
+    assert same(run, Trajectory.from_rrd(path, sealed=False))
+
+
+def test_columns_of_a_rewritten_file_are_compared_with_their_checksums(tmp_path, monkeypatch):
+    monkeypatch.setattr(rerun_export.rrd_file, "_checksum", lambda data: "0")
+    path = rewritten(steered_run(), tmp_path)
+    monkeypatch.undo()
+    with pytest.raises(DamagedRecording, match=r"again\.rrd: the meta is not the one"):
+        Trajectory.from_rrd(path, sealed=False)
 
 
 @pytest.mark.parametrize(
     "step",
-    ["picture._log_scene", "picture._log_panel", "picture.blueprint", "rrd_file._check_written"],
+    ["picture._log_scene", "picture._log_panel", "picture.blueprint", "rrd_file._check_record"],
 )
 def test_interrupted_write_leaves_the_old_file(tmp_path, monkeypatch, step):
     path = tmp_path / "run.rrd"
@@ -156,9 +179,71 @@ def test_interrupted_write_leaves_the_old_file(tmp_path, monkeypatch, step):
 
 def test_incomplete_file_is_noticed(tmp_path, monkeypatch):
     monkeypatch.setattr(rerun_export.rrd_file, "log_record", lambda *_: None)
-    with pytest.raises(OSError, match="could not be written"):
+    with pytest.raises(OSError, match="did not make a whole record"):
         steered_run().to_rrd(tmp_path / "run.rrd")
     assert os.listdir(tmp_path) == []
+
+
+def test_no_bit_can_be_changed(tmp_path):
+    run = steered_run()
+    path = tmp_path / "run.rrd"
+    run.to_rrd(path)
+    data = path.read_bytes()
+    for bit in np.random.default_rng(1).integers(0, 8 * len(data), 60):
+        changed = bytearray(data)
+        changed[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(changed)
+        with pytest.raises(DamagedRecording, match=r"run\.rrd"):
+            Trajectory.from_rrd(path)
+
+
+def test_a_cut_file_gives_its_first_rows_and_says_so(tmp_path):
+    run = steered_run(600)
+    path = tmp_path / "run.rrd"
+    run.to_rrd(path)
+    data = path.read_bytes()
+    found = []
+    for length in np.linspace(0, len(data), 40, endpoint=False).astype(int):
+        path.write_bytes(data[:length])
+        try:
+            read = Trajectory.from_rrd(path)
+        except DamagedRecording as error:
+            assert "run.rrd" in str(error)
+            found.append(0)
+            continue
+        assert not read.complete
+        assert read.meta == run.meta | {"complete": False}
+        for name in run.names:
+            assert read[name].tobytes() == run[name][: len(read)].tobytes()
+        found.append(len(read))
+    assert set(found) == {0, 200, 400, 600}
+
+
+def test_the_record_alone(tmp_path):
+    run = steered_run()
+    run.to_rrd(tmp_path / "run.rrd", picture=False)
+    assert same(run, Trajectory.from_rrd(tmp_path / "run.rrd"))
+    assert entities(tmp_path / "run.rrd") == {"/record", "/record/meta", "/__properties"}
+
+
+def test_rerun_that_is_off_is_noticed(tmp_path, monkeypatch):
+    monkeypatch.setenv("RERUN", "off")
+    with pytest.raises(OSError, match=r"run\.rrd.*RERUN=off"):
+        steered_run().to_rrd(tmp_path / "run.rrd")
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path, limited):
+    with limited(20_000), pytest.raises(OSError, match=r"run\.rrd.*too large") as error:
+        steered_run().to_rrd(tmp_path / "run.rrd")
+    assert "\n" not in str(error.value)
+    assert os.listdir(tmp_path) == []
+
+
+def test_no_room_for_the_copy_that_is_read_is_said(tmp_path, limited):
+    steered_run().to_rrd(tmp_path / "run.rrd")
+    with limited(1000), pytest.raises(OSError, match=r"run\.rrd cannot be read: no copy in "):
+        Trajectory.from_rrd(tmp_path / "run.rrd")
 
 
 def test_other_files_are_refused(tmp_path):
@@ -172,8 +257,10 @@ def test_other_files_are_refused(tmp_path):
     stream.log("text", rr.TextLog("hello"), static=True)
     stream.flush()
     stream.disconnect()
-    with pytest.raises(ValueError, match="not a recording of Ship Gym"):
+    with pytest.raises(DamagedRecording, match="carries no seal"):
         Trajectory.from_rrd(tmp_path / "other.rrd")
+    with pytest.raises(DamagedRecording, match="not a recording of Ship Gym"):
+        Trajectory.from_rrd(tmp_path / "other.rrd", sealed=False)
 
 
 def test_waves_and_wind_are_shown(tmp_path):

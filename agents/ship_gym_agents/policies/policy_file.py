@@ -91,6 +91,7 @@ def load_policy(path: str | Path) -> Policy:
     except _DAMAGED as error:
         raise _damaged(file, error) from error
     _check_base(made.form.base, file)
+    made.file = file
     return made
 
 

@@ -40,15 +40,15 @@ class Output:
 
 
 def open_stream(name: str, sink: str | None) -> rr.RecordingStream:
-    """Open a stream of a live view.
+    """Open a stream of a live view in a viewer.
 
     Parameters
     ----------
     name : str
         Application id.
     sink : str or None
-        File to write, address ``rerun+http://...`` of a viewer, or None: open a viewer here, or use
-        the one that is open.
+        Address ``rerun+http://...`` of a viewer, or None: open one here, or use the one that is
+        open.
 
     Raises
     ------
@@ -59,10 +59,8 @@ def open_stream(name: str, sink: str | None) -> rr.RecordingStream:
     if sink is None:
         program = shutil.which("rerun") or shutil.which("rerun", path=Path(sys.executable).parent)
         rr.spawn(recording=stream, executable_path=program)
-    elif "://" in sink:
-        stream.connect_grpc(sink)
     else:
-        stream.save(sink)
+        stream.connect_grpc(sink)
     return stream
 
 

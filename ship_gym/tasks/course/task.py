@@ -81,6 +81,13 @@ def fill(scenario, tasks) -> None:
     tasks["overshoot_limit"] = math.inf if largest is None else math.radians(largest)
 
 
+def limits(scenario, ship) -> dict[str, float]:
+    """The limits of error and overshoot, where there are any."""
+    largest = scenario.limits.overshoot_deg
+    past = {} if largest is None else {"overshoot_deg": largest}
+    return HEADING.limits(scenario, ship) | past
+
+
 def fails(scenario) -> str:
     """What ends an episode as failed."""
     largest = scenario.limits.overshoot_deg
@@ -136,6 +143,7 @@ TASK = dataclasses.replace(
     plan=Orders,
     begin=kernels.begin,
     fails=fails,
+    limits=limits,
     meta=meta,
     headline="settling_time",
     page=Path(__file__).with_name("page.md").read_text(encoding="utf-8"),

@@ -10,7 +10,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError, check_fields
 from ship_gym.conventions import wrap_angle
-from ship_gym.tasks.base import Moment, Outcome, Start, Task
+from ship_gym.tasks.base import ErrorColumn, Moment, Outcome, Start, Task
 from ship_gym.tasks.bridge import observe_bridge
 from ship_gym.tasks.heading import NAME, VERSION, kernels
 from ship_gym.tasks.heading.metrics import METRICS, measure
@@ -61,6 +61,13 @@ def scene(episodes, i) -> dict:
     }
 
 
+def limits(scenario, ship) -> dict[str, float]:
+    """The limit of the heading error, where there is one."""
+    del ship
+    largest = scenario.limits.heading_error_deg
+    return {"heading_error_deg": largest} if largest < 180.0 else {}
+
+
 def fails(scenario) -> str:
     """What ends an episode as failed."""
     return f"heading error beyond {scenario.limits.heading_error_deg:g} deg"
@@ -81,6 +88,8 @@ TASK = Task(
     check=check,
     history=("psi_ordered",),
     columns=columns,
+    error_column=ErrorColumn("psi_error", "heading error", "rad"),
+    limits=limits,
     metrics=METRICS,
     measure=measure,
     headline="J_steady",

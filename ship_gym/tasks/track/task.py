@@ -8,7 +8,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import wrap_angle
-from ship_gym.tasks.base import Moment, Plot, Task
+from ship_gym.tasks.base import ErrorColumn, Moment, Plot, Task
 from ship_gym.tasks.track import NAME, VERSION, kernels
 from ship_gym.tasks.track.metrics import METRICS, measure
 from ship_gym.tasks.track.plan import Tracks
@@ -69,6 +69,12 @@ def scene(episodes, i) -> dict:
     }
 
 
+def limits(scenario, ship) -> dict[str, float]:
+    """Distance to the route that ends the episode, and that success allows [m]."""
+    L, given = ship.hull.L, scenario.limits
+    return {"cross_track": given.cross_track * L, "corridor": given.corridor * L}
+
+
 def succeeds(scenario) -> str:
     """What ends an episode as reached."""
     limit = scenario.limits.corridor
@@ -103,6 +109,8 @@ TASK = Task(
     "starboard positive, also after a reset",
     history=("psi_ordered", "active"),
     columns=columns,
+    error_column=ErrorColumn("off_route", "distance to the route", "m"),
+    limits=limits,
     meta=meta,
     plots=(Plot("off_route", "Off the route [m]", ("off_route",)),),
     metrics=METRICS,

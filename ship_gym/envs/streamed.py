@@ -1,0 +1,98 @@
+"""Rows of an episode on their way into its file while it sails."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ship_gym.envs.episode_log import EpisodeLog
+from ship_gym.envs.episode_record import Conditions
+from ship_gym.recording.recorder import Recorder
+from ship_gym.recording.trajectory import Trajectory
+
+_ROWS = 16  # handed over together: less work than one by one
+
+
+def about_run(
+    controller: str, policy: Mapping[str, str] | None, seed: int | None, made: Mapping[str, Any]
+) -> dict[str, Any]:
+    """What a recording says of who steered, of the seed and of the program that made it."""
+    return {"controller": controller, "policy": policy, "seed": seed, **made}
+
+
+class Streamed:
+    """Rows of one place of a log, handed to a ``Recorder`` some at a time.
+
+    Parameters
+    ----------
+    path : path-like
+        File ``*.rrd``.
+    log : EpisodeLog
+        Its row of now is kept (`EpisodeLog.before`).
+    place : int
+    conditions : Conditions
+    about : mapping
+        See `about_run`.
+    picture : bool
+        As in ``Recorder``.
+
+    Raises
+    ------
+    ConfigError, OSError
+        As ``Recorder``.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike,
+        log: EpisodeLog,
+        place: int,
+        conditions: Conditions,
+        about: Mapping[str, Any],
+        picture: bool = True,
+    ):
+        self._log, self._place, self._conditions, self._about = log, place, conditions, about
+        self._sent = 0
+        names = list(conditions.columns(log.part(place, 0, 1)))
+        meta = conditions.meta() | dict(about) | {"complete": False}
+        self._recorder = Recorder(path, meta, names, picture=picture)
+
+    @property
+    def path(self) -> os.PathLike:
+        """The file."""
+        return self._recorder.path
+
+    def follow(self, least: int = _ROWS) -> None:
+        """Hand over the rows that are new, if there are so many."""
+        now = int(self._log.lengths[self._place])
+        if now - self._sent >= least:
+            self._hand_over(now)
+
+    def _hand_over(self, stop: int) -> None:
+        """Hand over the rows up to `stop`; those that cannot be written are not tried again."""
+        rows = self._log.part(self._place, self._sent, stop)
+        self._sent = stop
+        columns = self._conditions.columns(rows)
+        self._recorder.add(np.column_stack(list(columns.values())))
+
+    def finish(self, outcome: int) -> None:
+        """Write the file of the episode, whose last row the log has (`EpisodeLog.end`)."""
+        stop = int(self._log.lengths[self._place]) + 1
+        self._hand_over(stop)
+        rows = self._log.part(self._place, 0, stop)
+        self.write(self._conditions.trajectory(rows, outcome, self._about))
+
+    def write(self, trajectory: Trajectory) -> None:
+        """Write the file of an episode that is over, from its recording."""
+        self._recorder.finish(trajectory)
+
+    def leave(self) -> None:
+        """The episode breaks off: its journal stays, or, where nothing was sailed, nothing."""
+        if self._log.lengths[self._place] == 0:
+            self._recorder.discard()
+        else:
+            self.follow(1)
+            self._recorder.keep()
