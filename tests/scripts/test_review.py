@@ -185,7 +185,7 @@ def test_a_stored_metric_that_the_columns_do_not_give_is_an_error(cli, sailed, t
 
 @pytest.mark.parametrize("arguments", [["metrics"], ["show", "--web"], ["picture"], ["export"]])
 def test_damaged_files_are_refused(cli, folder, arguments, monkeypatch):
-    monkeypatch.setattr(viewer, "_start", None)  # no viewer sees it
+    monkeypatch.setattr(viewer, "Program", None)  # no viewer sees it
     more = ["--format", "csv"] if arguments == ["export"] else []
     before = sorted(path.name for path in folder.iterdir())
     code, out, err = cli("review", *arguments, "runs/bad.rrd", *more)
