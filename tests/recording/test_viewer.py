@@ -38,15 +38,8 @@ def shot(file, out, **how):
 def test_pictures_have_the_size_and_the_time_that_are_asked_for(file, tmp_path):
     late = shot(file, tmp_path / "a.png", size=(800, 600))
     early = shot(file, tmp_path / "b.png", time=3.0, size=(800, 600))
-    again = shot(file, tmp_path / "c.png", time=3.0, size=(800, 600))
-    assert late.shape == early.shape == (600, 800, 3)
-    assert (early == again).all() and (early != late).any()
-    assert sorted(path.name for path in tmp_path.iterdir()) == [
-        "a.png",
-        "b.png",
-        "c.png",
-        "run.rrd",
-    ]
+    assert late.shape == early.shape == (600, 800, 3) and (early != late).any()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.png", "b.png", "run.rrd"]
 
 
 @pytest.mark.slow

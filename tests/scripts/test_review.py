@@ -75,6 +75,26 @@ sys.exit(", ".join({{'numpy', 'gymnasium', 'ship_gym', 'rerun'}} & set(sys.modul
 
 
 @pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("ship-gym review pic", ["plain,picture"]),
+        ("ship-gym review list --wor", ["plain,--worst"]),
+        ("ship-gym review picture a.rrd --at s", ["plain,strip"]),
+        ("ship-gym review show ru", ["file,ru"]),
+    ],
+)
+def test_completion_knows_the_verbs(monkeypatch, capsys, words, expected):
+    from ship_gym_agents.cli import main
+
+    monkeypatch.setenv("_SHIP_GYM_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", words)
+    monkeypatch.setenv("COMP_CWORD", str(len(words.split()) - 1))
+    with pytest.raises(SystemExit):
+        main([])
+    assert capsys.readouterr().out.split() == expected
+
+
+@pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["lst"], ["unknown verb 'lst'", "did you mean 'list'"]),
