@@ -55,6 +55,7 @@ def marks(trajectory: Trajectory) -> list[Mark]:
         *_limits(trajectory),
         *_failure(trajectory),
         *_legs(trajectory),
+        *_fastest_turn(trajectory),
         *(Mark(time, "leg", text) for time, text in turn_marks(trajectory)),
         _end(trajectory),
     ]
@@ -73,9 +74,7 @@ def worst_moment(trajectory: Trajectory) -> float:
     error = task_error(trajectory)
     if error is not None:
         return float(t[worst_row(trajectory, error)])
-    if "r" in trajectory:
-        return float(t[np.argmax(np.abs(trajectory["r"]))])
-    return float(t[-1])
+    return next((mark.time for mark in _fastest_turn(trajectory)), float(t[-1]))
 
 
 def time_unit(meta: Mapping) -> float:
@@ -106,6 +105,18 @@ def _errors(trajectory: Trajectory) -> Iterator[Mark]:
         yield Mark(float(t[0]), "error", f"{error.label} at the start {error.text(0)}")
     aside = ", that of the start aside" if at_start else ""
     yield Mark(float(t[worst]), "error", f"largest {error.label} {error.text(worst)}{aside}")
+
+
+def _fastest_turn(trajectory: Trajectory) -> Iterator[Mark]:
+    """The fastest turn of a run without an error to judge it by."""
+    if "r" not in trajectory or task_error(trajectory) is not None:
+        return
+    row = int(np.argmax(np.abs(trajectory["r"])))
+    rate = math.degrees(trajectory["r"][row])
+    if rate != 0.0:
+        side = "starboard" if rate > 0.0 else "port"
+        text = f"fastest turn, {abs(rate):.2g}{DEGREE}/s to {side}"
+        yield Mark(float(trajectory["t"][row]), "leg", text)
 
 
 def _saturation(trajectory: Trajectory) -> Iterator[Mark]:
