@@ -20,6 +20,8 @@ __version__ = "0.1.0"
 # public name -> module that defines it
 _PUBLIC = {
     "DiscreteRudder": "ship_gym.envs.discrete",
+    "RecordRerun": "ship_gym.envs.record_rerun",
+    "RecordRerunVector": "ship_gym.envs.record_rerun",
     "Sea": "ship_gym.sea.state",
     "Ship": "ship_gym.ships.particulars",
     "ShipEnv": "ship_gym.envs.env",

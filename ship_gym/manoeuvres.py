@@ -15,6 +15,7 @@ from ship_gym.config import ConfigError, check_angle, check_number
 from ship_gym.conventions import PSI
 from ship_gym.provenance import provenance
 from ship_gym.recording.about import ship_meta
+from ship_gym.recording.thinning import thinned
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.sea.state import CALM, Sea, regular_sea
 from ship_gym.ships.files import Named
@@ -24,6 +25,10 @@ from ship_gym.ships.trials import Trial
 from ship_gym.simulation import ShipSim, history_columns, self_propulsion, through_water
 
 _SAMPLE = 1.0 / 400.0  # output step in L / U0: 0.08 s for KCS at 14.5 kn
+# Rows of a recording per L / U0: 1.5 s for KCS at 14.5 kn, some ten while the rudder goes over and
+# four to six in the period at which she meets waves of half her length to her length.
+_RECORDED = 20.0
+_LISTED = 8  # most values of a measure that become metrics of their own, as overshoots do
 _TURNS = 2.5  # turns sailed in a turning circle; the last one is the steady part
 
 
@@ -331,6 +336,34 @@ class Run:
             **provenance(),
         }
         return Trajectory(columns, meta)
+
+
+def recording(result: Any) -> Trajectory:
+    """What a file keeps of a manoeuvre: fewer rows, and the measures from all of them.
+
+    Parameters
+    ----------
+    result : TurningCircle, ZigZag, stopping.SpeedChange, stability.PullOut or stability.Spiral
+
+    Returns
+    -------
+    Trajectory
+        With ``metrics`` (numbers, angles in rad; None: not reached) and ``curves`` (a spiral's
+        measures of many values) in its meta.
+    """
+    full = result.trajectory
+    metrics, curves = {}, {}
+    for name, value in result.measures().items():
+        if not isinstance(value, tuple):
+            metrics[name] = value if math.isfinite(value) else None
+        elif len(value) <= _LISTED:
+            one = name.removesuffix("s")  # overshoot_1 of overshoots
+            metrics |= {f"{one}_{k}": v for k, v in enumerate(value, start=1)}
+        else:
+            curves[name] = list(value)
+    meta = {"kind": "manoeuvre", "metrics": metrics} | ({"curves": curves} if curves else {})
+    unit = full.meta["ship"]["L"] / full.meta["config"]["speed"]
+    return thinned(Trajectory(full.columns, full.meta | meta), unit / _RECORDED)
 
 
 def run_trial(ship: Named | Ship, trial: Trial) -> TurningCircle | ZigZag:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ship_gym.config import ConfigError
-from ship_gym.manoeuvres import imo_limits, run_trial, turning_circle, zigzag
+from ship_gym.manoeuvres import imo_limits, recording, run_trial, turning_circle, zigzag
 from ship_gym.sea import Sea
 from ship_gym.ships import load_ship
 
@@ -36,6 +36,17 @@ def test_trajectory_reruns_from_its_meta(circle, kcs_model):
     assert "git_commit" in circle.trajectory.meta
 
 
+def test_a_recording_has_fewer_rows_and_the_measures_of_all(circle):
+    kept, full = recording(circle), circle.trajectory
+    assert 800 < len(kept) < 1300 < 0.1 * len(full)
+    assert kept.meta["kind"] == "manoeuvre" and kept.meta["metrics"] == circle.measures()
+    assert kept.meta["interval"] == pytest.approx(kept["t"][1] - kept["t"][0])
+    rows = np.searchsorted(full["t"], kept["t"])
+    assert rows[-1] == len(full) - 1
+    for name in full.names:
+        assert kept[name].tobytes() == full[name][rows].tobytes()
+
+
 def test_forces_in_the_trajectory_balance_the_equations(circle, kcs_model):
     """Rows hold forces of their own instant: their sum is what accelerates the ship."""
     t, b = circle.trajectory, kcs_model.inertia
@@ -58,6 +69,10 @@ def test_zigzag_overshoots_are_the_peaks(kcs_model):
     assert max(zz.overshoots[0::2]) == pytest.approx(psi.max() - math.radians(20), abs=2e-3)
     assert len(zz.overshoots) == 4 and (np.diff(zz.execute_times) > 0).all()
     assert zz.period > 0.0 and 1.0 < zz.initial_turning < 3.0
+    metrics = recording(zz).meta["metrics"]
+    assert metrics["overshoot_2"] == zz.overshoots[1] and "curves" not in recording(zz).meta
+    short = zigzag(kcs_model, math.radians(20), math.radians(20), 0.860, overshoots=1)
+    assert recording(short).meta["metrics"]["period"] is None
     rudder = zz.trajectory["delta"]
     assert rudder.max() == pytest.approx(math.radians(20))
     assert rudder.min() == pytest.approx(-math.radians(20))

@@ -80,6 +80,14 @@ def resolved_fleet(
     return scenarios[0], [made[k] for k in numbers]
 
 
+def recording_of(record: str | os.PathLike | Mapping[str, Any], env: Any) -> Any:
+    """The ``EpisodeRecording`` that the option ``record`` of an environment asks for."""
+    from ship_gym.envs.recording import EpisodeRecording  # not needed by others
+    from ship_gym.envs.recording_options import RecordingOptions
+
+    return EpisodeRecording(env.episodes, RecordingOptions.from_option(record), env.origin)
+
+
 def check_render_mode(render_mode: str | None) -> None:
     """Refuse an unknown render mode."""
     if render_mode is not None:
@@ -170,6 +178,9 @@ class ShipEnv(gym.Env):
     copy : bool
         Whether observations and infos stay as they are. If False they are the environment's own
         arrays, which the next step or reset overwrites (an info counts when it is looked at).
+    record : path or mapping, optional
+        Folder for recordings of all episodes, or a mapping of the options of ``RecordRerun`` with
+        ``folder`` among them.
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012
@@ -186,8 +197,10 @@ class ShipEnv(gym.Env):
         render_mode: str | None = None,
         max_episode_steps: int | None = None,
         copy: bool = True,
+        record: str | os.PathLike | Mapping[str, Any] | None = None,
     ):
         self._copy = bool(copy)
+        self._resets = 0  # since the stream was seeded
         check_render_mode(render_mode)
         self.render_mode = render_mode
         scenario = self.scenario_name if scenario is None else scenario
@@ -202,6 +215,7 @@ class ShipEnv(gym.Env):
         self.action_space = action_space(self.scenario)
         self._shape = self.action_space.shape
         self._screen = None if render_mode is None else Screen(render_mode, self.episodes)
+        self._recording = None if record is None else recording_of(record, self)
 
     @property
     def ship(self) -> Ship:
@@ -219,6 +233,7 @@ class ShipEnv(gym.Env):
             [m]), ``sea_seed``; see ``envs.start_options``.
         """
         given = start_options(options, 1)
+        self._resets = 0 if seed is not None or self._np_random is None else self._resets + 1
         super().reset(seed=seed)
         draws = self.np_random.random((1, self.episodes.n_draws))
         self.episodes.start(_ALL, draws, given)
@@ -258,7 +273,21 @@ class ShipEnv(gym.Env):
             )
         return self._screen.picture()
 
+    def origin(self, index: int = 0) -> tuple[int | None, int]:
+        """Where the randomness of this episode is from, enough to have it again.
+
+        Returns
+        -------
+        seed : int or None
+            Of the stream; None of a generator that was given.
+        resets : int
+            After that with the seed; 0: that one.
+        """
+        return (self._np_random_seed if self._np_random_seed != -1 else None), self._resets
+
     def close(self) -> None:
-        """Close the live view, if there is one."""
+        """Close the live view and the recording, if there are any."""
         if self._screen is not None:
             self._screen.close()
+        if self._recording is not None:
+            self._recording.close()

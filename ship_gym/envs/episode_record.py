@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import os
 from collections.abc import Mapping
@@ -23,7 +24,6 @@ from ship_gym.sea.surface import WAVE_ENTRIES
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import history_columns
 from ship_gym.tasks import TASKS
-from ship_gym.tasks.base import Task
 from ship_gym.tasks.columns import action_columns, observation_columns
 from ship_gym.tasks.metrics import metrics
 from ship_gym.tasks.rewards import COSTS
@@ -32,14 +32,47 @@ _HISTORIES = ("time", "states", "commands", "forces", "flow", "waves")
 CUT_SHORT = "cut short"  # outcome of an episode that its owner left before its end
 
 
+class Setting:
+    """What the episodes of one ship in one scenario have in common.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    ship : Ship
+    """
+
+    def __init__(self, scenario: Scenario, ship: Ship):
+        self.scenario, self.ship, self.task = scenario, ship, TASKS[scenario.task]
+        self.seen, self.done = observation_columns(scenario), action_columns(scenario)
+
+    @functools.cached_property
+    def meta(self) -> dict[str, Any]:
+        """What a recording says of them; without provenance."""
+        scenario, task = self.scenario, self.task
+        shown = task.error_column
+        rudder = {"rudder_deg": math.degrees(self.ship.gear.delta_max)}
+        return {
+            "kind": "episode",
+            "task": task.name,
+            "scenario": scenario.source,
+            "overrides": scenario.overrides(),
+            "config": scenario.to_dict(),
+            "ship": ship_meta(self.ship),
+            "error": None if shown is None else shown._asdict(),
+            "limits": rudder | task.limits(scenario, self.ship),
+            "observations": list(self.seen),
+            "actions": list(self.done),
+            **plots_meta(task.plots),
+        }
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class Conditions:
     """What an episode has that does not change while it sails.
 
     Attributes
     ----------
-    scenario : Scenario
-    ship : Ship
+    setting : Setting
     plan : numpy.ndarray
         As a row of ``EpisodeBatch.plans``.
     weather : dict
@@ -53,18 +86,12 @@ class Conditions:
         As ``sea.records.Waters.waves_of``, shape (5, N).
     """
 
-    scenario: Scenario
-    ship: Ship
+    setting: Setting
     plan: np.ndarray
     weather: dict[str, float]
     current: tuple[float, float]
     randomisation: dict[str, float]
     waves: np.ndarray
-
-    @property
-    def task(self) -> Task:
-        """The task of the scenario."""
-        return TASKS[self.scenario.task]
 
     def columns(self, rows: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Columns of a recording from rows of an ``EpisodeLog``.
@@ -75,18 +102,18 @@ class Conditions:
             By name, shape (T, ...); ``rewards`` and ``terms`` may lack the last one, which has
             none.
         """
-        rows = dict(rows)
-        if self.ship.propellers == 1:  # beside one with two there is room for another
+        rows, task = dict(rows), self.setting.task
+        if self.setting.ship.propellers == 1:  # beside one with two there is room for another
             rows["flow"] = rows["flow"][:, :N_FLOW]
         found = history_columns(*(rows[name] for name in _HISTORIES))
         count = len(rows["time"])
-        history = {name: rows[name] for name in self.task.history}
-        found |= self.task.columns(found, history, self.plan)
+        history = {name: rows[name] for name in task.history}
+        found |= task.columns(found, history, self.plan)
         found |= {name: np.full(count, value) for name, value in self._surroundings().items()}
         if self.waves.shape[1]:
             found["waves_extrapolation"] = rows["waves"][:, WAVE_EXTRAPOLATION]
         found["reward"] = _padded(rows["rewards"], count)
-        for k, term in enumerate((*self.task.terms, *COSTS)):
+        for k, term in enumerate((*task.terms, *COSTS)):
             found[f"reward_{term.name}"] = _padded(rows["terms"][:, k], count)
         return found | self._seen_and_done(rows, found)
 
@@ -101,7 +128,7 @@ class Conditions:
 
     def _seen_and_done(self, rows: Mapping, columns: Mapping) -> dict[str, np.ndarray]:
         """Observation and action, and the heading that the observation shows [rad]."""
-        seen, done = observation_columns(self.scenario), action_columns(self.scenario)
+        seen, done = self.setting.seen, self.setting.done
         found = {f"observation_{k}": rows["observations"][:, j] for j, k in enumerate(seen)}
         found |= {f"action_{k}": rows["actions"][:, j] for j, k in enumerate(done)}
         if "psi_ordered" in columns and "sin_error" in seen and "cos_error" in seen:
@@ -113,25 +140,12 @@ class Conditions:
 
     def meta(self) -> dict[str, Any]:
         """What a recording says of the episode whatever becomes of it; without provenance."""
-        scenario, task = self.scenario, self.task
-        shown = task.error_column
-        rudder = {"rudder_deg": math.degrees(self.ship.gear.delta_max)}
         return {
-            "kind": "episode",
-            "task": task.name,
-            "scenario": scenario.source,
-            "overrides": scenario.overrides(),
-            "config": scenario.to_dict(),
-            "ship": ship_meta(self.ship),
+            **self.setting.meta,
             "randomisation": self.randomisation,
             "sea": self._sea(),
             "waves": self._waves(),
-            "error": None if shown is None else shown._asdict(),
-            "limits": rudder | task.limits(scenario, self.ship),
-            "observations": list(observation_columns(scenario)),
-            "actions": list(action_columns(scenario)),
-            **task.meta(self.plan),
-            **plots_meta(task.plots),
+            **self.setting.task.meta(self.plan),
         }
 
     def _sea(self) -> dict[str, float | None]:
@@ -174,7 +188,7 @@ class Conditions:
 
     def end(self, outcome: int) -> dict[str, Any]:
         """What the meta says of how the episode ended, see `trajectory`."""
-        ended = self.task.all_outcomes[max(outcome, 0)]
+        ended = self.setting.task.all_outcomes[max(outcome, 0)]
         name = ended.name if outcome > 0 else CUT_SHORT if outcome < 0 else "end of time"
         return {
             "complete": True,
@@ -192,13 +206,12 @@ def measured(trajectory: Trajectory) -> dict[str, float | None]:
     return metrics(trajectory)
 
 
-def conditions_of(batch: EpisodeBatch, i: int) -> Conditions:
-    """Conditions of episode i of a batch, which has begun."""
+def conditions_of(batch: EpisodeBatch, i: int, setting: Setting) -> Conditions:
+    """Conditions of episode i of a batch, which has begun; the setting is that of its ship."""
     seas = batch.sim.seas[i : i + 1]
     speed, to = polar(seas["mean_north"], seas["mean_east"])
     return Conditions(
-        batch.scenario,
-        batch.ships[i],
+        setting,
         batch.plans[i].copy(),
         {name: values.item(0) for name, values in weather_of(batch, [i]).items()},
         (speed.item(), to.item()),

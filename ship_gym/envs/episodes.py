@@ -347,13 +347,16 @@ class EpisodeBatch:
         if not self._begun:
             raise ConfigError("step before reset: call reset first")
         self.actions[:] = shaped_actions(actions, self.n, self.scenario.control)
-        for watcher in self._watching:
-            watcher.before()
+        watching = self._watching
+        if watching:
+            for watcher in watching:
+                watcher.before()
         lost = in_parts(self._loops.interval, self.n, self.sim.threads)
         if any(lost):
             self._told(min(lost))
-        for watcher in self._watching:
-            watcher.after()
+        if watching:
+            for watcher in watching:
+                watcher.after()
 
     def watch(self, watcher: Watcher) -> None:
         """Call a watcher at every interval and start from now on; a copy has none."""

@@ -24,10 +24,13 @@ class Streams:
     ----------
     seeds : list of (int or None)
         Of each stream; None: not yet begun.
+    begun : numpy.ndarray
+        How often each has been drawn from since it was seeded, shape (n,).
     """
 
     def __init__(self, n: int):
         self.seeds: list[int | None] = [None] * n
+        self.begun = np.zeros(n, dtype=np.int64)
         # high and low word of the state, then of the increment, of PCG64
         self._words = np.zeros((n, 4), dtype=np.uint64)
         self._generator = np.random.Generator(np.random.PCG64(0))
@@ -37,11 +40,13 @@ class Streams:
         for i in np.flatnonzero(mask).tolist():
             if seeds[i] is not None or self.seeds[i] is None:
                 generator, self.seeds[i] = seeding.np_random(seeds[i])
+                self.begun[i] = 0
                 self._keep(i, generator)
 
     def random(self, which: np.ndarray, count: int) -> np.ndarray:
         """The next numbers in [0, 1) of some streams, shape (m, count)."""
         drawn = np.empty((len(which), count))
+        self.begun[which] += 1
         for row, i in enumerate(which.tolist()):
             self._set(self._generator, i)
             self._generator.random(out=drawn[row])

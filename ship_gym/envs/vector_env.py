@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,7 +11,14 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from ship_gym.config import ConfigError, check_known, check_number
-from ship_gym.envs.env import Given, action_space, observation_space, resolved_fleet, with_steps
+from ship_gym.envs.env import (
+    Given,
+    action_space,
+    observation_space,
+    recording_of,
+    resolved_fleet,
+    with_steps,
+)
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.info import Info
 from ship_gym.envs.start_options import start_options
@@ -45,6 +53,8 @@ class ShipVectorEnv(VectorEnv):
     copy : bool
         Whether observations, rewards and infos stay as they are. If False they are the batch's own
         arrays, which the next step or reset overwrites (an info counts when it is looked at).
+    record : path or mapping, optional
+        As in ``ShipEnv``.
     """
 
     metadata = {  # noqa: RUF012  Gymnasium's own form
@@ -67,6 +77,7 @@ class ShipVectorEnv(VectorEnv):
         parallel: bool | None = None,
         max_episode_steps: int | None = None,
         copy: bool = True,
+        record: str | os.PathLike | Mapping[str, Any] | None = None,
     ):
         super().__init__()
         self._copy = bool(copy)
@@ -92,6 +103,7 @@ class ShipVectorEnv(VectorEnv):
         self._everyone = np.ones(self.num_envs, dtype=np.bool_)
         shown = self.num_envs if render_mode else 0
         self._screens = [Screen(render_mode, self.episodes, i) for i in range(shown)]
+        self._recording = None if record is None else recording_of(record, self)
 
     @property
     def ship(self) -> Ship:
@@ -142,6 +154,15 @@ class ShipVectorEnv(VectorEnv):
                 "render without a render mode: make the environments with render_mode='rgb_array'"
             )
         return tuple(screen.picture() for screen in self._screens)
+
+    def origin(self, index: int) -> tuple[int | None, int]:
+        """Seed of the stream of an environment and resets after it, as ``ShipEnv.origin``."""
+        return self._streams.seeds[index], int(self._streams.begun[index]) - 1
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Close the recording, if there is one."""
+        if self._recording is not None:
+            self._recording.close()
 
     def _follow(self) -> None:
         for screen in self._screens:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import functools
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -15,7 +16,7 @@ from ship_gym.config import ConfigError
 from ship_gym.conventions import polar
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.envs.episode_log import EpisodeLog
-from ship_gym.envs.episode_record import Conditions, conditions_of, policy_meta, weather_of
+from ship_gym.envs.episode_record import Conditions, Setting, conditions_of, policy_meta, weather_of
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.streamed import Streamed, about_run
 from ship_gym.evaluation.controller import Controller, check_controller
@@ -128,10 +129,13 @@ class Rollout:
         about = about_run(self.controller, self.policy, self.seeds[i], self.provenance)
         return self._conditions(i).trajectory(histories, int(self.outcomes[i]), about)
 
+    @functools.cached_property
+    def _setting(self) -> Setting:
+        return Setting(self.scenario, self.ship)
+
     def _conditions(self, i: int) -> Conditions:
         return Conditions(
-            self.scenario,
-            self.ship,
+            self._setting,
             self.plans[i],
             {name: values[i].item() for name, values in self.weather.items()},
             tuple(self.current[i].tolist()),
@@ -287,7 +291,8 @@ def _sail(
         for i in [i for i in streams if new[i]]:
             streams.pop(i).finish(int(outcomes[i]))
         for stream in streams.values():
-            stream.follow()
+            if stream.is_due():
+                stream.follow()
         if ended.all():
             break
     return outcomes
@@ -299,10 +304,11 @@ def _streams(
 ) -> Iterator[dict[int, Streamed]]:
     """Episodes on their way into files, by index; what is left at an error keeps its journal."""
     log.before()
-    made: dict[int, Streamed] = {}
+    batch, made = log.batch, {}
+    setting = Setting(batch.scenario, batch.ship)
     try:
         for i, path in record.items():
-            made[i] = Streamed(path, log, i, conditions_of(log.batch, i), abouts[i])
+            made[i] = Streamed(path, log, i, conditions_of(batch, i, setting), abouts[i])
         yield made
     except BaseException:
         for stream in made.values():

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ship_gym.config import ConfigError
+from ship_gym.recording import Trajectory
 from ship_gym.reports.case import sail
 from ship_gym.reports.page import Picture
 from ship_gym.ships.files import DATA
@@ -58,6 +60,10 @@ def test_simulate_json_csv_and_recording(call):
     assert data["imo"]["overshoot_1"] == {"limit": pytest.approx(25.0), "pass": True}
     assert data["files"] == ["z.png", "z.csv", "z.rrd"]
     assert all(Path(path).stat().st_size > 10_000 for path in data["files"])
+    run = Trajectory.from_file("z.rrd")
+    assert run.meta["metrics"]["overshoot_1"] == pytest.approx(
+        math.radians(data["measures"]["overshoot_1"])
+    )
 
 
 def test_simulate_crash_stop(call):

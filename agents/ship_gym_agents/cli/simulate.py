@@ -86,6 +86,7 @@ def command(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, **o
 
 def _handling(as_json, what, ship, sets, files, options) -> None:
     """Sail, print and draw one of ``reports.handling.KINDS``."""
+    from ship_gym.manoeuvres import recording
     from ship_gym.plotting.handling import plot_handling
     from ship_gym.reports import handling
     from ship_gym.ships.loader import load_ship
@@ -102,7 +103,7 @@ def _handling(as_json, what, ship, sets, files, options) -> None:
     jobs = (
         (picture, lambda path: plot_handling(case, path)),
         (files["csv"], history.to_csv),
-        (files["rrd"], history.to_rrd),
+        (files["rrd"], lambda path: recording(case.result).to_rrd(path)),
     )
     written = [(path, job) for path, job in jobs if path]
     for path, job in written:
@@ -176,6 +177,7 @@ def _jobs(what: str, ship: str, surrogate: str | None, variant: str | None, opti
 
 def _write(case: Any, out: Path | None, extras: dict[str, Path | None], number: str) -> list[str]:
     """Write the picture and what else was asked for; return the paths, numbered if several."""
+    from ship_gym.manoeuvres import recording
     from ship_gym.plotting import plot_manoeuvre
     from ship_gym.plotting.loading import plot_loading
     from ship_gym.plotting.seaway import plot_turning_in_waves
@@ -189,7 +191,7 @@ def _write(case: Any, out: Path | None, extras: dict[str, Path | None], number: 
         (out or Path("runs") / f"{case.manoeuvre}.png", lambda path: draw(case, path)),
         (extras["loading"], lambda path: plot_loading(history, case.ship, path, **what)),
         (extras["csv"], history.to_csv),
-        (extras["rrd"], history.to_rrd),
+        (extras["rrd"], lambda path: recording(case.result).to_rrd(path)),
     )
     paths = [(path.with_stem(path.stem + number), job) for path, job in jobs if path]
     for path, job in paths:

@@ -1,0 +1,143 @@
+"""Wrappers that record episodes while an environment is used: the scalar and the vector one."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+from gymnasium.utils import RecordConstructorArgs
+from gymnasium.vector import VectorEnv, VectorWrapper
+
+from ship_gym.config import ConfigError
+from ship_gym.envs.env import ShipEnv
+from ship_gym.envs.recording import EpisodeRecording
+from ship_gym.envs.recording_options import RecordingOptions
+from ship_gym.envs.vector_env import ShipVectorEnv
+
+
+class RecordRerun(gym.Wrapper, RecordConstructorArgs):
+    """Records episodes of a ``ShipEnv`` as files ``NAME-NUMBER-seed-SEED.rrd``.
+
+    The same as the option ``record`` of the environment: ``gym.make(id, record=folder)`` or
+    ``record={"folder": ..., "episodes": 10}``. It may stand under or over any other wrapper: what
+    it writes is what the ship environment itself sees and gets.
+
+    Episodes are numbered from 0 as they sail their first interval. Those that `keep` "all" writes
+    are streamed: a killed process leaves ``*.rrd.partial`` with all rows but those of the last ten
+    seconds. Otherwise the rows are in memory until the episode ends. Nothing that lies in the
+    folder is overwritten. An episode that is reset before its end is written as "cut short"; one
+    that has not ended when the environment is closed keeps its ``.partial``.
+
+    What it costs: see the numbers at `RecordRerunVector`.
+
+    Parameters
+    ----------
+    env : gymnasium.Env
+        Around a ``ShipEnv``.
+    folder : path-like
+        Made if missing.
+    episodes : "all", int or callable
+        Which are followed: all, every k-th (0, k, 2k, ...), or those for whose number a function
+        gives True.
+    keep : "all", "failed", "worst" or callable
+        Which of those have a file in the end: all, those that ended at a limit or diverged, the
+        worst so far, or those for whose ``Trajectory`` a function gives True.
+    by : str, optional
+        Metric of `keep` "worst"; the task's headline if None. An episode without a value is no
+        candidate.
+    most : int, optional
+        How many files stay, of "worst" the worst, otherwise the latest; None: all, of "worst" 1.
+        The others are removed.
+    name : str
+        First part of the file names.
+    controller : str
+        Who steers, for the recording; "agent" if empty.
+    policy : path-like, optional
+        File of the policy; its SHA-256 stands in the recording.
+    picture : bool
+        Whether the files hold what the viewer shows, or only the record.
+
+    Raises
+    ------
+    ConfigError
+        An option that is not allowed, before anything is written.
+    OSError
+        Nothing can be written there; later, from ``step``, a file that could not be written, such
+        as on a full disk. That episode is then recorded no more, the environment is as it was.
+    """
+
+    def __init__(
+        self,
+        env: gym.Env,
+        folder: str | os.PathLike,
+        *,
+        episodes: Any = "all",
+        keep: Any = "all",
+        by: str | None = None,
+        most: int | None = None,
+        name: str = "episode",
+        controller: str = "",
+        policy: str | os.PathLike | None = None,
+        picture: bool = True,
+    ):
+        given = {"episodes": episodes, "keep": keep, "by": by, "most": most, "name": name}
+        given |= {"controller": controller, "policy": policy, "picture": picture}
+        RecordConstructorArgs.__init__(self, folder=folder, **given)
+        gym.Wrapper.__init__(self, env)
+        self._recording = _recording(env.unwrapped, ShipEnv, RecordingOptions(folder, **given))
+
+    @property
+    def files(self) -> list[Path]:
+        """Files of the episodes that are over, of "worst" the worst one last."""
+        return [] if self._recording is None else self._recording.files
+
+    def close(self) -> None:
+        """Close the recording, then the environment."""
+        if self._recording is not None:
+            self._recording.close()
+        super().close()
+
+
+class RecordRerunVector(VectorWrapper):
+    """As `RecordRerun`, around a ``ShipVectorEnv``; ``make_vec(id, record=folder)`` is the same.
+
+    Environments under other vector environments, such as ``SyncVectorEnv``, are wrapped one by one
+    with `RecordRerun`, each with a folder or name of its own.
+
+    Parameters
+    ----------
+    env : gymnasium.vector.VectorEnv
+    folder : path-like
+    **options
+        Those of `RecordRerun`. Numbers count the episodes of all environments together, those that
+        begin together by the index of the environment; it stands in the file name.
+    """
+
+    def __init__(self, env: VectorEnv, folder: str | os.PathLike, **options: Any):
+        super().__init__(env)
+        made = RecordingOptions.from_option({"folder": folder, **options})
+        self._recording = _recording(env.unwrapped, ShipVectorEnv, made)
+
+    @property
+    def files(self) -> list[Path]:
+        """Files of the episodes that are over, of "worst" the worst one last."""
+        return [] if self._recording is None else self._recording.files
+
+    def close(self, **kwargs: Any) -> None:
+        """Close the recording, then the environment."""
+        if self._recording is not None:
+            self._recording.close()
+        super().close(**kwargs)
+
+
+def _recording(base: Any, kind: type, options: RecordingOptions) -> EpisodeRecording:
+    """Recording of a ship environment; ConfigError if it is none."""
+    if not isinstance(base, kind):
+        others = kind is ShipVectorEnv and isinstance(base, VectorEnv)
+        way = "; wrap each of its environments with RecordRerun" if others else ""
+        raise ConfigError(
+            f"env is around a {type(base).__name__}: must be around a {kind.__name__}{way}"
+        )
+    return EpisodeRecording(base.episodes, options, base.origin)
