@@ -122,7 +122,7 @@ def test_scripts_are_the_verbs(monkeypatch, capsys, verb, script):
         (["evaluate", "--controllers", "pid", "pid"], ["two controllers are named 'pid'"]),
         (["evaluate", "--controllers"], ["nothing to sail"]),
         (["evaluate", "--scenario", "none.toml"], ["none.toml: no such file"]),
-        (["record", "--out", "x.mp4"], ["--out x.mp4: allowed is a .rrd file"]),
+        (["record", "--out", "x.mp4"], ["--out x.mp4: allowed is a .rrd or .csv file"]),
         (["record", "--policy", "pid", "--controller", "pid"], ["two controllers are named 'pid'"]),
         (["record", "--out", "file/x.rrd"], ["file is a file, not a folder"]),
         (["review"], ["FILE"]),
@@ -164,7 +164,10 @@ def test_an_own_controller_is_evaluated_with_others(cli, own):
     found = json.loads(out)
     assert list(found["controllers"]) == ["steady", "made", "kept"]
     assert found["scenario"]["duration"] == 20.0
-    assert found["next"] == "ship-gym record --controller mine.py:Steady --set duration=20"
+    assert (
+        found["next"]
+        == "ship-gym record --controller mine.py:Steady --set duration=20 --seed 2000000"
+    )
 
 
 def test_an_own_controller_is_recorded_and_reviewed(cli, own):
@@ -172,7 +175,7 @@ def test_an_own_controller_is_recorded_and_reviewed(cli, own):
     short = ["--set", "duration=20", "sensors.noise=false"]
     code, out, err = cli("record", "--controller", f"{own}:Steady", *short, "--json")
     assert code == 0, err
-    assert json.loads(out)["next"] == "ship-gym review runs/rollout.rrd"
+    assert json.loads(out)["next"] == "ship-gym review show runs/rollout.rrd"
     code, out, _ = cli("review", "runs/rollout.rrd", "--json")
     assert json.loads(out)["runs/rollout.rrd"]["controller"] == "steady"
 

@@ -24,7 +24,7 @@ VERBS = {
     "benchmark": "Sail suites of scenarios with several ships and controllers; score them.",
     "report": "Write the page of a benchmark from its results, a file or the folder of a run.",
     "bound": "Estimate the best that control can reach: optimised plans with full knowledge.",
-    "record": "Record one episode as a rerun file, read it back and compute its metrics.",
+    "record": "Record episodes as rerun or CSV files, read them back and compute their metrics.",
     "review": "Find, show, draw, compare, export and measure recordings.",
     "export": "Write a policy as ONNX for other programs, or as safetensors from older files.",
     "simulate": "Sail a standard manoeuvre or all trials of a ship.",
