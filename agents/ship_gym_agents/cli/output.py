@@ -24,6 +24,7 @@ _EXTRAS = {
     "pyarrow": ("benchmark", "results of a benchmark"),
     "capytaine": ("bem", "wave tables"),
     "joblib": ("bem", "wave tables"),
+    "av": ("video", "videos"),
     "stable_baselines3": ("rl", "training"),
     "torch": ("rl", "training"),
     "onnx": ("onnx", "ONNX files"),
