@@ -156,7 +156,9 @@ def _log_run(out: Output, run: Run, number: int, length: float) -> None:
             vertex_positions=vertices, triangle_indices=triangles, vertex_normals=normals,
             albedo_factor=color,
         ))  # fmt: skip
-    high = (0.25 + 0.1 * number) * length  # so that names of ships in one place do not hide each other
+    high = (
+        0.25 + 0.1 * number
+    ) * length  # so that names of ships in one place do not hide each other
     name = rr.Points3D([[0.0, 0.0, -high]], labels=[run.name], colors=[run.color], radii=0)
     log(out, f"{path}/name", name)
     places, turns = scene.pose(columns)
