@@ -10,6 +10,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from ship_gym.recording.marks import bearing, marks, seconds, time_unit
+from ship_gym.recording.surroundings import Surroundings, surroundings
 from ship_gym.recording.task_error import section
 from ship_gym.recording.turns import is_manoeuvre
 from ship_gym.text import table
@@ -78,12 +79,12 @@ def title(meta: Mapping) -> str:
 
 def facts(trajectory: Trajectory) -> Iterator[list[str]]:
     """Rows of name and text: ship, sea, task, controller, seed, time."""
-    meta = trajectory.meta
+    meta, around = trajectory.meta, surroundings(trajectory)
     rows = {
         "Ship": _ship(meta),
-        "Waves": _waves(meta),
-        "Wind": _wind(trajectory),
-        "Current": _current(trajectory),
+        "Waves": _waves(around),
+        "Wind": _wind(around),
+        "Current": _current(around),
         "Task": _task(meta),
         "Changed": ", ".join(_flat(section(meta, "overrides"))),
         "Controller": _controller(meta),
@@ -136,52 +137,24 @@ def _recorded(trajectory: Trajectory) -> str:
     return f"{seconds(time)}{full}, {len(trajectory)} rows"
 
 
-def _waves(meta: Mapping) -> str:
-    sea, made = section(meta, "sea"), section(meta, "config", "sea")
-    if "wave_height" not in sea and (made.get("regular") or made.get("waves")):
-        come = bearing(made.get("wave_direction_to", 0.0) + math.pi)
-        return f"{_systems(made)}, from {come}"
-    if not sea.get("wave_height"):
-        return "none" if sea else ""
-    text = f"H {sea['wave_height']:.3g} m, T {sea.get('wave_period', 0.0):.3g} s"
-    come = _from(sea, "wave")
-    return text if come is None else f"{text}, from {come}"
+def _waves(around: Surroundings) -> str:
+    if not around.wave_height:
+        return "" if around.wave_height is None else "none"
+    text = f"{'regular, ' if around.regular else ''}H {around.wave_height:.3g} m"
+    text += "" if around.wave_period is None else f", T {around.wave_period:.3g} s"
+    return f"{text}, from {bearing(around.wave_direction_to + math.pi)}"
 
 
-def _systems(sea: Mapping[str, Any]) -> str:
-    """Height and period of the waves of a manoeuvre: a regular one, or systems of an irregular sea.
-
-    Energies of systems add up; the period is that of the highest.
-    """
-    if regular := sea.get("regular"):
-        height, period = 2.0 * regular["amplitude"], 2.0 * math.pi / regular["omega"]
-        return f"regular, H {height:.3g} m, T {period:.3g} s"
-    height = math.hypot(*(system["height"] for system in sea["waves"]))
-    highest = max(sea["waves"], key=lambda system: system["height"])
-    return f"H {height:.3g} m, T {highest['peak_period']:.3g} s"
+def _wind(around: Surroundings) -> str:
+    if not around.wind_speed:
+        return "" if around.wind_speed is None else "none"
+    return f"{around.wind_speed:.3g} m/s from {bearing(around.wind_direction_from)}"
 
 
-def _wind(trajectory: Trajectory) -> str:
-    sea = section(trajectory.meta, "sea")
-    speed, come = sea.get("wind_speed"), _from(sea, "wind")
-    if speed is None and "wind_speed" in trajectory:
-        speed, come = trajectory["wind_speed"][0], bearing(trajectory["wind_direction_from"][0])
-    return "" if speed is None else "none" if not speed else f"{speed:.3g} m/s from {come}"
-
-
-def _current(trajectory: Trajectory) -> str:
-    if "current_speed" not in trajectory:
-        return ""
-    speed, to = trajectory["current_speed"][0], trajectory["current_direction_to"][0]
-    return f"{speed:.3g} m/s to {bearing(to)}" if speed else "none"
-
-
-def _from(sea: Mapping[str, Any], what: str) -> str | None:
-    """Where waves or wind come from."""
-    if f"{what}_from_deg" in sea:
-        return bearing(math.radians(sea[f"{what}_from_deg"]))
-    to = sea.get(f"{what}_direction_to")
-    return None if to is None else bearing(to + math.pi)
+def _current(around: Surroundings) -> str:
+    if not around.current_speed:
+        return "" if around.current_speed is None else "none"
+    return f"{around.current_speed:.3g} m/s to {bearing(around.current_direction_to)}"
 
 
 def _task(meta: Mapping) -> str:

@@ -22,7 +22,7 @@ META = {
     "seed": 7,
     "ship": SHIP,
     "sea": {"wave_height": 4.87, "wave_period": 12.4, "wave_direction_to": math.radians(100.0),
-            "wind_speed": 17.35, "wind_from_deg": 280.0},
+            "wind_speed": 17.35, "wind_direction_to": math.radians(100.0)},
     "outcome": "heading limit",
     "failed": True,
     "metrics": {"J_1": 12.345678, "settling_time": None, "success": 0.0},

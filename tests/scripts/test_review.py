@@ -75,6 +75,26 @@ sys.exit(", ".join({{'numpy', 'gymnasium', 'ship_gym', 'rerun'}} & set(sys.modul
 
 
 @pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("ship-gym review pic", ["plain,picture"]),
+        ("ship-gym review list --wor", ["plain,--worst"]),
+        ("ship-gym review picture a.rrd --at s", ["plain,strip"]),
+        ("ship-gym review show ru", ["file,ru"]),
+    ],
+)
+def test_completion_knows_the_verbs(monkeypatch, capsys, words, expected):
+    from ship_gym_agents.cli import main
+
+    monkeypatch.setenv("_SHIP_GYM_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", words)
+    monkeypatch.setenv("COMP_CWORD", str(len(words.split()) - 1))
+    with pytest.raises(SystemExit):
+        main([])
+    assert capsys.readouterr().out.split() == expected
+
+
+@pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["lst"], ["unknown verb 'lst'", "did you mean 'list'"]),
@@ -185,7 +205,7 @@ def test_a_stored_metric_that_the_columns_do_not_give_is_an_error(cli, sailed, t
 
 @pytest.mark.parametrize("arguments", [["metrics"], ["show", "--web"], ["picture"], ["export"]])
 def test_damaged_files_are_refused(cli, folder, arguments, monkeypatch):
-    monkeypatch.setattr(viewer, "_start", None)  # no viewer sees it
+    monkeypatch.setattr(viewer, "Program", None)  # no viewer sees it
     more = ["--format", "csv"] if arguments == ["export"] else []
     before = sorted(path.name for path in folder.iterdir())
     code, out, err = cli("review", *arguments, "runs/bad.rrd", *more)
@@ -257,3 +277,51 @@ def test_export_writes_tables_and_plots(cli, folder, sailed, tmp_path):
     pytest.importorskip("matplotlib")
     code, _, err = cli("review", "export", "runs/pid_1000001.rrd", "--format", "png")
     assert code == 0 and (folder / "pid_1000001.png").stat().st_size > 20_000, err
+
+
+def test_pictures_are_painted_where_the_viewer_cannot_run(cli, folder, sailed, monkeypatch):
+    Image = pytest.importorskip("PIL.Image")
+
+    def refused(*_):
+        raise viewer.NoViewer("no graphics driver")
+
+    monkeypatch.setattr(viewer, "screenshot", refused)
+    file = "runs/pid_1000001.rrd"
+    code, out, err = cli("review", "picture", file, "--at", "12.5")
+    assert code == 0 and f"{file} at 12.5 s\n" in out, err
+    assert "wrote runs/pid_1000001.png, drawn by the painter of env.render: no graphics" in out
+    at_a_time = Image.open(folder / "pid_1000001.png").convert("RGB").tobytes()
+    found = json.loads(cli("review", "picture", file, "--json", "--painter")[1])
+    assert (found["by"], found["reason"], found["file"]) == (
+        "painter",
+        "",
+        f"{folder.name}/pid_1000001.png",
+    )
+    assert Image.open(folder / "pid_1000001.png").convert("RGB").tobytes() != at_a_time
+    code, out, err = cli("review", "picture", file, "--at", "strip", "--out", "strip.png")
+    assert code == 0 and "moments\nwrote strip.png, drawn by the painter" in out, err
+    code, out, err = cli("review", "picture", file, "--light", "--out", "light.png")
+    assert (code, out, err) == (2, "", "error: no graphics driver\n")
+    code, out, err = cli("review", "picture", file, "--at", "700")
+    assert code == 2 and "--at = 700.0: allowed is 0 to 200 [s]" in err
+
+
+def test_pictures_are_of_the_viewer_where_it_can_run(cli, folder, sailed, monkeypatch):
+    seen = []
+    monkeypatch.setattr(viewer, "screenshot", lambda *given: seen.append(given))
+    arguments = ["--out", "a.png", "--size", "800x600", "--light"]
+    code, out, err = cli("review", "picture", "runs/killed.rrd.partial", *arguments)
+    assert code == 0 and "wrote a.png, drawn by rerun's viewer\n" in out, err
+    path, out, time, size, light = seen[0]
+    assert path.name == "0-killed.rrd" and (str(out), size, light) == ("a.png", (800, 600), True)
+    assert time == sailed[0]["t"][-1]  # its two columns tell of no worse moment
+
+
+def test_videos_are_of_the_painter(cli, folder, monkeypatch):
+    pytest.importorskip("av")
+    from ship_gym.rendering import replay
+
+    seen = []
+    monkeypatch.setattr(replay, "write_video", lambda run, path, progress: seen.append(str(path)))
+    code, out, err = cli("review", "export", "runs/pid_1000001.rrd", "--format", "mp4")
+    assert code == 0 and seen == ["runs/pid_1000001.mp4"] and seen[0] in out, err
