@@ -349,6 +349,9 @@ def test_compare_puts_runs_side_by_side(cli, folder, sailed, monkeypatch):
     monkeypatch.setattr(viewer, "show", lambda *paths, moment=None: seen.append((paths, moment)))
     assert cli("review", "show", "runs/both.rrd")[0] == 0
     assert [(str(path), moment) for (path,), moment in seen] == [("runs/both.rrd", None)]
+    assert cli("review", "picture", "runs/both.rrd", "--at", "30")[0] == 0
+    assert (shots[-1][1].name, shots[-1][2]) == ("both.png", 30.0)
+    assert "is a comparison" in cli("review", "picture", "runs/both.rrd", "--painter")[2]
     whole = bytearray((folder / "both.rrd").read_bytes())
     whole[5000] ^= 1
     (folder / "both.rrd").write_bytes(whole)

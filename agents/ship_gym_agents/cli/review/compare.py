@@ -15,9 +15,6 @@ from ship_gym_agents.cli.values import Name
 if TYPE_CHECKING:
     from ship_gym.recording import Trajectory
 
-if TYPE_CHECKING:
-    pass
-
 _USUAL = "runs/compare.rrd"
 
 
