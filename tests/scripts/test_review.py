@@ -325,3 +325,41 @@ def test_videos_are_of_the_painter(cli, folder, monkeypatch):
     monkeypatch.setattr(replay, "write_video", lambda run, path, progress: seen.append(str(path)))
     code, out, err = cli("review", "export", "runs/pid_1000001.rrd", "--format", "mp4")
     assert code == 0 and seen == ["runs/pid_1000001.mp4"] and seen[0] in out, err
+
+
+def test_compare_puts_runs_side_by_side(cli, folder, sailed, monkeypatch):
+    names = ["runs/pid_1000001.rrd", "runs/constant_1000001.rrd"]
+    shots = []
+    monkeypatch.setattr(viewer, "screenshot", lambda *given: shots.append(given))
+    arguments = ["--out", "runs/both.rrd", "--picture", "both.png"]
+    code, out, err = cli("review", "compare", *names, *arguments, "--json")
+    assert code == 0, err
+    found = json.loads(out)
+    assert found["files"] == ["runs/both.rrd", "both.png"] and len(shots) == 1
+    pid, constant = (one.meta["metrics"] for one in (sailed[0], sailed[2]))
+    first, second = found["recordings"]
+    assert (first["name"], second["name"]) == ("pid", "constant")
+    assert second["metrics"] == constant
+    assert second["differences"]["J_1"] == constant["J_1"] - pid["J_1"]
+    assert "less pid" in cli("review", "compare", *names, "--out", "runs/both.rrd")[1]
+    rows = json.loads(cli("review", "list", "runs", "--where", "kind==comparison", "--json")[1])
+    assert [row["file"] for row in rows["runs"]] == ["runs/both.rrd"]
+    seen = []
+    monkeypatch.setattr(viewer, "has_screen", lambda: True)
+    monkeypatch.setattr(viewer, "show", lambda *paths, moment=None: seen.append((paths, moment)))
+    assert cli("review", "show", "runs/both.rrd")[0] == 0
+    assert [(str(path), moment) for (path,), moment in seen] == [("runs/both.rrd", None)]
+    assert cli("review", "picture", "runs/both.rrd", "--at", "30")[0] == 0
+    assert (shots[-1][1].name, shots[-1][2]) == ("both.png", 30.0)
+    assert "is a comparison" in cli("review", "picture", "runs/both.rrd", "--painter")[2]
+    whole = bytearray((folder / "both.rrd").read_bytes())
+    whole[5000] ^= 1
+    (folder / "both.rrd").write_bytes(whole)
+    code, out, err = cli("review", "show", "runs/both.rrd")
+    assert (code, out, len(seen)) == (2, "", 1) and "runs/both.rrd" in err
+
+
+def test_runs_of_different_tasks_are_not_compared(cli, folder):
+    code, out, err = cli("review", "compare", "runs/pid_1000001.rrd", "runs/turn.rrd")
+    assert (code, out, err.count("\n")) == (2, "", 1) and "different task" in err
+    assert not (folder / "compare.rrd").exists()

@@ -19,6 +19,8 @@ from ship_gym.recording.panels import Panel
 from ship_gym.recording.rerun_export.annotations import CARD, MARKS, marks_view
 from ship_gym.recording.rerun_export.blueprint import whole
 from ship_gym.recording.rerun_export.log import TIMELINE, Output, log, log_style, send_rows
+from ship_gym.recording.rerun_export.rrd_file import read_chunks
+from ship_gym.recording.sealed import DamagedRecording, seal
 from ship_gym.recording.trajectory import Trajectory
 
 _HEAD = "ShipGymComparison"
@@ -63,12 +65,27 @@ def write_comparison(
         out = Output(stream)
         head = {"format": 1, "kind": "comparison", "sources": sources(runs)}
         _send_head(out, head)
+        first = source.read() or b""
         _send_picture(out, runs)
-        data = source.read() or b""
+        shown = source.read() or b""
     finally:
         stream.disconnect()
     with atomic_path(path) as temporary:
-        temporary.write_bytes(data)
+        temporary.write_bytes(seal(first, shown))
+
+
+def read_comparison(path: str | os.PathLike) -> dict:
+    """The head of a file of `write_comparison`, which is verified: format, kind, sources.
+
+    Raises
+    ------
+    DamagedRecording
+        If the file is not as it was written, or is no comparison.
+    """
+    for chunk in read_chunks(path):
+        if chunk.entity_path == "/comparison":
+            return json.loads(chunk.to_record_batch().column(f"{_HEAD}:json")[0][0].as_py())
+    raise DamagedRecording(f"{path} is no comparison of recordings")
 
 
 def _send_head(out: Output, head: dict) -> None:
