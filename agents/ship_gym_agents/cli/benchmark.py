@@ -88,6 +88,8 @@ def command(as_json, suites, resume, record, report, trials, **options) -> None:
     again = _again(suites, options | {"trials": trials}) + (" --record" if record else "")
     suites, hulls = split(suites, trials)
     if not suites:
+        if record:
+            raise click.UsageError("--record: of episodes; a suite of manoeuvres has none")
         moved = sail_suites(hulls, report=report, command=again, **options)
         show(as_json, moved.data, moved.text)
         return
