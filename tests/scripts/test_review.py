@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -126,6 +127,24 @@ def test_refusals_are_one_line_and_leave_nothing(cli, tmp_path, arguments, words
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert all(word in err for word in words), err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="needs /proc of Linux")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["picture", "a.rrd", "--out", "/proc/a.png"],
+        ["compare", "a.rrd", "b.rrd", "--out", "/proc/c.rrd"],
+        ["compare", "a.rrd", "b.rrd", "--picture", "/proc/c.png"],
+        ["export", "a.rrd", "--out", "/proc/a.csv"],
+        ["export", "a.rrd", "b.rrd", "--format", "png", "--out", "/proc"],
+        ["export", "/proc/a.rrd", "--format", "csv"],
+        ["picture", "/proc/a.rrd"],
+    ],
+)
+def test_places_that_cannot_be_written_are_refused_before_a_file_is_read(cli, arguments):
+    code, out, err = cli("review", *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1) and "cannot write into /proc: " in err
 
 
 def test_list_has_a_row_for_every_file(cli, folder):
