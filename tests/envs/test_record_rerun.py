@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from types import SimpleNamespace
 
 import gymnasium as gym
 import numpy as np
@@ -339,8 +340,8 @@ def test_a_full_disk_is_one_error_and_the_environment_sails_on(tmp_path, monkeyp
         if at == "add":
             patched.setattr(recorder.Journal, "append", full)
         else:
-            made = patched.setattr(recorder, "import_rerun_export", lambda: made)
-            made = type("Made", (), {"write_rrd": full})
+            export = SimpleNamespace(write_rrd=full)
+            patched.setattr(recorder, "import_rerun_export", lambda: export)
         with pytest.raises(OSError, match="No space"):
             sail(env, 1)
     sail(env, 2)
