@@ -10,6 +10,7 @@ from ship_gym_agents import make_controller
 
 from pages.environment_pages import env_ids, name_of, outdated, task_of, write_pages
 from pages.still import still
+from ship_gym.provenance import check_place
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "environments"
 EXAMPLES = (
@@ -39,6 +40,7 @@ def main() -> None:
     args = arguments()
     if args.check:
         check(args.out, args.json)
+    check_place(args.out, "--out", folder=True)
     if not args.no_pictures:
         from ship_gym.rendering.png import save_png  # first: its library may be missing
     files = write_pages(args.out)

@@ -16,6 +16,7 @@ from ship_gym_agents.entrants import entrant
 
 from ship_gym.evaluation import benchmark
 from ship_gym.evaluation.report import write_markdown
+from ship_gym.provenance import check_place
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "results.md"
 EXAMPLES = (
@@ -41,6 +42,8 @@ def arguments():
 
 def main() -> None:
     args = arguments()
+    check_place(args.out, "--out")
+    check_place(args.run, "--run", folder=True)
     command = shlex.join(["python", "scripts/build_results.py", *sys.argv[1:]])
     results = benchmark(
         args.suite,

@@ -12,7 +12,7 @@ BASELINE = Path(__file__).with_name("speed_baseline.json")
 
 
 def main() -> None:
-    from ship_gym.provenance import atomic_path
+    from ship_gym.provenance import atomic_path, check_place
     from ship_gym.reports import speed, speed_check
 
     made = parser(
@@ -27,7 +27,9 @@ def main() -> None:
         "--margin", type=float, default=speed_check.MARGIN, help="factor (default: %(default)s)"
     )
     given = made.parse_args()
-    if not given.write:
+    if given.write:
+        check_place(given.baseline, "--baseline")
+    else:
         baseline = speed_check.load_baseline(given.baseline)
         speed_check.compare(baseline, baseline, given.margin)  # refuses a margin before the work
     seconds = speed_check.run(progress=progress)

@@ -14,9 +14,9 @@ from _cli import parser, progress, run, show
 
 from pages import judgement
 from pages.policies_page import write_page
-from ship_gym.provenance import atomic_path
+from ship_gym.provenance import atomic_path, check_place
 
-ROOT = Path(__file__).resolve().parents[1]
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "policies.md"
 EXAMPLES = (
     "python scripts/judge_policies.py --split validation --seeds 32   # rehearsal, no page",
     "python scripts/judge_policies.py --split final --page            # the one look",
@@ -37,6 +37,9 @@ def arguments():
 
 def main() -> None:
     args = arguments()
+    check_place(args.run, "--run", folder=True)
+    if args.page:
+        check_place(PAGE, "--page")
     claims = judgement.read_claims(args.claims, args.only)
     sailor = judgement.Sailor(args.split, args.seeds, args.run)
     work = judgement.plan(claims, args.policies)
@@ -45,7 +48,7 @@ def main() -> None:
     judged = judgement.judge(claims, sailor, args.policies)
     files = []
     if args.page:
-        files = write_page(judged, sailor, args.split, ROOT / "docs" / "policies.md")
+        files = write_page(judged, sailor, args.split, PAGE)
     with atomic_path(args.run / f"judged_{args.split}.json") as temporary:
         temporary.write_text(json.dumps(judged, indent=1) + "\n", encoding="utf-8")
     text = judgement.told(judged)

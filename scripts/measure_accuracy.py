@@ -8,7 +8,7 @@ from pathlib import Path
 from _cli import parser, progress, run, show
 
 from pages.marks import write_tables
-from ship_gym.provenance import git_commit
+from ship_gym.provenance import check_place, git_commit
 from ship_gym.reports import accuracy
 from ship_gym.reports.speed import machine
 from ship_gym.text import paragraph
@@ -29,6 +29,8 @@ def main() -> None:
     args = p.parse_args()
     if args.write and args.ships:
         p.error("--write is for all ships: name none")
+    if args.write:
+        check_place(PAGE, "--write")
     jobs = list(accuracy.jobs(args.ships))
     points = [point for job in progress(jobs, "sailing") for point in accuracy.measure(*job)]
     written = _write(points) if args.write else []

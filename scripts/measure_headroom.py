@@ -17,6 +17,7 @@ from ship_gym.config import ConfigError
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.evaluation import headroom
 from ship_gym.evaluation.suite import ALWAYS, load_suites
+from ship_gym.provenance import check_place
 from ship_gym.ships.files import DATA
 from ship_gym.tasks import TASKS
 from ship_gym.text import table
@@ -120,6 +121,8 @@ def measured(todo: list[Job], processes: int) -> Iterator[tuple[Job, dict[str, A
 
 def main() -> None:
     args = arguments()
+    if args.write:
+        check_place(headroom.FILE, "--write")
     known, every = dict(headroom.read()), jobs(args.suite, args.ships)
     if args.only:
         wanted = {key: find(key, every) for key in args.only}

@@ -20,6 +20,7 @@ from _cli import parser, run, show
 from _mutants import AREAS, KINDS, Mutant, draw
 
 from ship_gym.config import ConfigError
+from ship_gym.provenance import atomic_path, check_place
 from ship_gym.text import table as aligned
 
 HELP = """\
@@ -76,9 +77,13 @@ def main() -> None:
     if args.list:
         show(args.json, [m.key for m in mutants], "\n".join(f"{m.kind}: {m.key}" for m in mutants))
         return
+    check_place(args.out, "--out")
+    if args.report:
+        check_place(args.report, "--report")
     results = judge(mutants, args)
     if args.report:
-        args.report.write_text(page(results, args))
+        with atomic_path(args.report) as temporary:
+            temporary.write_text(page(results, args), encoding="utf-8")
     show(args.json, {"score": score(results), "mutants": results}, table(results))
 
 

@@ -19,6 +19,7 @@ from reproduce import (
 from reproduce.unsteady import compare_seeds
 from reproduce.white import as_dict as white_findings
 from reproduce.white import as_text as white_text
+from ship_gym.provenance import check_place
 
 # what is computed and how it is shown
 PARTS = {
@@ -71,10 +72,21 @@ def main() -> None:
         p.error("--plot and --record belong to the part stern")
     if args.plot and args.plot.suffix != ".png":
         p.error(f"--plot {args.plot}: allowed is a .png file")
+    _check_places(args.plot, args.record)
     data = {part: PARTS[part][0]() for part in progress(wanted, "recomputing")}
     text = "\n\n\n".join(PARTS[part][1](data[part]) for part in wanted)
     written = _write(data["stern"], args.plot, args.record) if "stern" in wanted else []
     show(args.json, data, text + "".join(f"\nwrote {path}" for path in written))
+
+
+def _check_places(plot: Path | None, record: bool) -> None:
+    """Refuse, before the work, what could not be written."""
+    from reproduce.stern_findings import RECORD
+
+    if plot:
+        check_place(plot, "--plot")
+    if record:
+        check_place(RECORD, "--record")
 
 
 def _write(stern: dict, plot: Path | None, record: bool) -> list[str]:

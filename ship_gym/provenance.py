@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import hashlib
 import os
 import platform
@@ -15,6 +16,8 @@ from typing import IO
 
 from ship_gym.config import ConfigError
 
+# what a write says where there is no room: full disk, quota, limit of file sizes
+_FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 _PACKAGES = ("numpy", "scipy", "numba", "gymnasium", "torch", "stable-baselines3", "rerun-sdk")
 
 
@@ -68,6 +71,83 @@ def sha256(path: str | os.PathLike) -> str:
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
+class DiskFull(OSError):
+    """No room for a file; its message says for which, and that it was not written."""
+
+    def __str__(self) -> str:
+        return str(self.args[1])
+
+
+def no_space(error: BaseException) -> str:
+    """What a full disk, a quota or a limit of file sizes said; empty if none of them caused this.
+
+    Libraries may hide the error of the system behind one of their own, as its cause or context.
+    """
+    seen: BaseException | None = error
+    while seen is not None:
+        if isinstance(seen, OSError) and seen.errno in _FULL:
+            return os.strerror(seen.errno).lower()
+        seen = seen.__cause__ or (None if seen.__suppress_context__ else seen.__context__)
+    return ""
+
+
+@contextlib.contextmanager
+def full_disk_named(path: str | os.PathLike) -> Iterator[None]:
+    """Turn what a full disk raises in the block into a ``DiskFull`` that names `path`."""
+    try:
+        yield
+    except DiskFull:
+        raise
+    except Exception as error:
+        if not (reason := no_space(error)):
+            raise
+        text = f"{path}: {reason}; nothing was written to it"
+        raise DiskFull(errno.ENOSPC, text) from error
+
+
+def check_place(path: str | os.PathLike, option: str, folder: bool = False) -> Path:
+    """Refuse, before any work, a file or folder that could not be written.
+
+    A page of zeros is written into the folder, or into the nearest one above it that is there, and
+    is gone at once: permission bits say nothing to root, nor of a disk that is full or read-only.
+
+    Parameters
+    ----------
+    path : path-like
+        What will be written. It is not touched, and no folder is made.
+    option : str
+        Who named it, for the message.
+    folder : bool
+        It is a folder to write into, not a file.
+
+    Returns
+    -------
+    pathlib.Path
+        `path`.
+
+    Raises
+    ------
+    ConfigError
+        One line with option, path and reason.
+    """
+    path = Path(path)
+    if not folder and os.path.isdir(path):
+        raise ConfigError(f"{option} {path}: that is a folder")
+    inside = path if folder else path.parent
+    there = next(p for p in (inside, *inside.absolute().parents) if os.path.lexists(p))
+    if not os.path.isdir(there):
+        raise ConfigError(f"{option} {path}: {there} is a file, not a folder")
+    try:
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            path.lstat()  # a name may be too long
+        with tempfile.TemporaryFile(dir=there) as file:
+            file.write(bytes(4096))
+    except OSError as error:
+        reason = os.strerror(error.errno).lower() if error.errno else str(error)
+        raise ConfigError(f"{option} {path}: cannot write into {there}: {reason}") from None
+    return path
+
+
 @contextlib.contextmanager
 def atomic_path(path: str | os.PathLike) -> Iterator[Path]:
     """Give a temporary path beside `path`; rename it to `path` only if the block succeeds.
@@ -81,10 +161,23 @@ def atomic_path(path: str | os.PathLike) -> Iterator[Path]:
     ------
     pathlib.Path
         Where to write. An exception in the block removes it and leaves `path` as it was.
+
+    Raises
+    ------
+    DiskFull
+        No room for the file.
     """
     path = Path(path)
+    with full_disk_named(path), _replaced(path) as temporary:
+        yield temporary
+
+
+@contextlib.contextmanager
+def _replaced(path: Path) -> Iterator[Path]:
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+    handle, name = tempfile.mkstemp(
+        dir=path.parent, prefix=f".{path.stem[:50]}-", suffix=path.suffix
+    )
     os.close(handle)
     temporary = Path(name)
     try:

@@ -29,7 +29,7 @@ from ship_gym_agents.cli.output import progress, run, show
 from torch import nn
 
 from ship_gym.config import check_number
-from ship_gym.provenance import atomic_path
+from ship_gym.provenance import atomic_path, check_place
 
 EXAMPLES = """examples:
   python docs/examples/clone_pid.py
@@ -154,6 +154,7 @@ def main() -> None:
     a = arguments()
     check_number("episodes", a.episodes, 10, 10**5)
     check_number("epochs", a.epochs, 1, 10**5)
+    check_place(a.out, "--out")
     with tempfile.TemporaryDirectory() as temporary:
         os.environ["MINARI_DATASETS_PATH"] = str((a.datasets or Path(temporary)).resolve())
         seen, done = samples_of(recorded(a.episodes, a.ship))

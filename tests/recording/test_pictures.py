@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ship_gym.recording import panels, plan, scene
-from ship_gym.recording.about import run_name
+from ship_gym.recording.card import run_name
 
 SHIP = scene.ShipShape(L=230.0, B=32.2, d=10.8, A_R=115.0, D_P=7.9)
 

@@ -92,7 +92,7 @@ def test_everything_is_shown_and_small(tmp_path):
     for name in ("heading", "heading_error", "rudder", "rpm", "speed", "yaw_rate", "reward"):
         assert f"/plots/{name}" in shown
     assert {"/plots/force_X", "/plots/force_Y", "/plots/force_N"} <= shown
-    assert {"/plan/track", "/plan/ship", "/plan/grid", "/plan/route", "/about"} <= shown
+    assert {"/plan/track", "/plan/ship", "/plan/grid", "/plan/route", "/about", "/marks"} <= shown
     assert reader(path).blueprints()
 
 

@@ -2,8 +2,16 @@ import runpy
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from ship_gym_agents.cli import main
+from ship_gym_agents.forms.form import Form
+from ship_gym_agents.policies.networks import Mlp
+from ship_gym_agents.policies.normaliser import no_scaling
+from ship_gym_agents.policies.policy import Policy
+from ship_gym_agents.policies.policy_file import POLICY_FILE, save_policy
+
+from ship_gym.tasks.bridge import OBSERVATIONS
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 
@@ -40,3 +48,16 @@ def call(monkeypatch, tmp_path, capsys):
         return code, *capsys.readouterr()
 
     return run
+
+
+@pytest.fixture
+def policy(tmp_path):
+    """Folder of a policy that steers with rudder = -2 sin(psi_e) - r'."""
+    weights = np.zeros((1, 9))
+    weights[0, 0], weights[0, 2] = -2.0, -1.0
+    features = [f"observation.{row[0]}" for row in OBSERVATIONS]
+    card = {"name": "tiny", "features": features, "decisions": ["rudder"]}
+    made = Policy(Form(), no_scaling(9), Mlp((weights,), (np.zeros(1),)), card)
+    for folder in ("run", "run/seed_0", "run/seed_1"):
+        save_policy(made, tmp_path / folder / POLICY_FILE)
+    return "run"

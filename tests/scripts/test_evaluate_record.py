@@ -1,17 +1,10 @@
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 from ship_gym_agents.cli import output
-from ship_gym_agents.forms.form import Form
-from ship_gym_agents.policies.networks import Mlp
-from ship_gym_agents.policies.normaliser import no_scaling
-from ship_gym_agents.policies.policy import Policy
-from ship_gym_agents.policies.policy_file import POLICY_FILE, save_policy
 
 from ship_gym.config import ConfigError
-from ship_gym.tasks.bridge import OBSERVATIONS
 
 
 def test_evaluate_writes_what_it_prints(cli, tmp_path):
@@ -29,19 +22,6 @@ def test_evaluate_json(cli):
     found = json.loads(out)
     assert code == 0 and found["file"] == "runs/evaluation.json"
     assert list(found["controllers"]) == ["constant"] and found["differences"] == {}
-
-
-@pytest.fixture
-def policy(tmp_path):
-    """Folder of a policy that steers with rudder = -2 sin(psi_e) - r'."""
-    weights = np.zeros((1, 9))
-    weights[0, 0], weights[0, 2] = -2.0, -1.0
-    features = [f"observation.{row[0]}" for row in OBSERVATIONS]
-    card = {"name": "tiny", "features": features, "decisions": ["rudder"]}
-    made = Policy(Form(), no_scaling(9), Mlp((weights,), (np.zeros(1),)), card)
-    for folder in ("run", "run/seed_0", "run/seed_1"):
-        save_policy(made, tmp_path / folder / POLICY_FILE)
-    return "run"
 
 
 def test_evaluate_a_policy(cli, policy, tmp_path):
@@ -92,10 +72,10 @@ def test_errors_are_one_line_and_leave_nothing(cli, tmp_path, arguments, message
 
 
 @pytest.mark.parametrize("name", ["evaluate", "record", "review", "tune"])
-def test_help_has_two_examples(cli, name):
+def test_help_has_two_examples_at_least(cli, name):
     code, out, _ = cli(name, "--help")
     assert code == 0
-    assert out.split("examples:")[1].count(f"ship-gym {name}") == 2
+    assert out.split("examples:")[1].count(f"ship-gym {name}") >= 2
     assert "--json" in out
 
 
@@ -111,18 +91,6 @@ def test_record_and_review(cli, tmp_path):
     code, out, _ = cli("review", recorded["file"], "--csv")
     rows = dict(line.split(",", 1) for line in out.splitlines())
     assert float(rows["J_1"].split(",")[1]) == recorded["metrics"]["J_1"]
-
-
-def test_record_several_controllers(cli, policy, tmp_path):
-    pytest.importorskip("rerun")
-    given = ("--policy", "run", "run/seed_1", "--controller", "pid", "--out", "a.rrd")
-    code, out, _ = cli("record", *given, "--json")
-    found = json.loads(out)
-    files = [one["file"] for one in found["recordings"]]
-    assert code == 0 and files == ["a-run.rrd", "a-run-seed_1.rrd", "a-pid.rrd"]
-    assert all((tmp_path / file).is_file() for file in files)
-    assert [one["controller"] for one in found["recordings"]] == ["run", "run/seed_1", "pid"]
-    assert found["next"].endswith(" ".join(files))
 
 
 def test_review_refuses_other_files(cli, tmp_path):

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import click
 
+from ship_gym_agents.cli.groups import Verbs
 from ship_gym_agents.cli.output import run
 
 # verb -> one line of help; the verb fit-surrogate is `command` of the module fit_surrogate
@@ -23,8 +24,8 @@ VERBS = {
     "benchmark": "Sail suites of scenarios with several ships and controllers; score them.",
     "report": "Write the page of a benchmark from its results, a file or the folder of a run.",
     "bound": "Estimate the best that control can reach: optimised plans with full knowledge.",
-    "record": "Record one episode as a rerun file, read it back and compute its metrics.",
-    "review": "Print the metrics of recordings side by side, computed from the files.",
+    "record": "Record episodes as rerun or CSV files, read them back and compute their metrics.",
+    "review": "Find, show, draw, compare, export and measure recordings.",
     "export": "Write a policy as ONNX for other programs, or as safetensors from older files.",
     "simulate": "Sail a standard manoeuvre or all trials of a ship.",
     "trials": "Sail every trial of every ship and compare, with the scatter of the facilities.",
@@ -42,31 +43,6 @@ VERBS = {
 PROGRAM = "ship-gym"
 
 
-class _Verbs(click.Group):
-    """The verbs, each imported when it is asked for."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """All verbs, in the order of the help."""
-        return list(VERBS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of a verb; None if there is no such verb."""
-        return load_verb(cmd_name) if cmd_name in VERBS else None
-
-    def resolve_command(self, ctx: click.Context, args: list[str]):
-        """As click's, but an unknown verb names the nearest one."""
-        if args[0] not in VERBS and not args[0].startswith("-") and not ctx.resilient_parsing:
-            from ship_gym.config import check_known
-
-            check_known("verb", args[0], VERBS)
-        return super().resolve_command(ctx, args)
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The table of verbs, without importing them."""
-        with formatter.section("Verbs"):
-            formatter.write_dl(list(VERBS.items()))
-
-
 def load_verb(verb: str) -> click.Command:
     """The click command of a verb."""
     name = "listing" if verb == "list" else verb.replace("-", "_")  # list is a word of Python
@@ -80,7 +56,9 @@ def _version(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
 
 
 @click.group(
-    cls=_Verbs,
+    cls=Verbs,
+    verbs=VERBS,
+    load=load_verb,
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Each verb has --help with examples, and --json.",

@@ -42,12 +42,11 @@ def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out
 
     Intervals: 95 % bootstrap over the episodes.
     """
-    from pathlib import Path
-
     from ship_gym.evaluation import evaluation_seeds
-    from ship_gym_agents.cli.output import progress, show
+    from ship_gym_agents.cli.output import place, progress, show
     from ship_gym_agents.cli.sailing import own_task, resolved, wanted
 
+    out = place(out, "runs/bound.json")
     name = own_task(task)
     env = wanted(options, name)
     scenario = resolved(env, name)
@@ -56,7 +55,6 @@ def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out
     how |= {"progress": lambda steps, text: progress(steps, text, iterations)}
     found = _front(made, measure, lambdas, how) if lambdas else _best(made, measure, how)
     text = found.pop("text")
-    out = out or Path("runs/bound.json")
     _write(found, out)
     show(as_json, {**found, "file": str(out)}, f"{text}\n\nwrote {out}")
 

@@ -48,11 +48,13 @@ def command(as_json, **options) -> None:
     Drift forces and motions in waves of all headings; a table serves the ship at any scale.
     """
     from ship_gym.seakeeping.table_checks import compare_with_snnm
-    from ship_gym_agents.cli.output import need, report_page, show
+    from ship_gym_agents.cli.output import need, place, report_page, show
 
     asked = Asked(**options)
     if asked.report is not None:
         need("matplotlib")
+        if asked.table:
+            place(None, report_page(asked.report, asked.table), "--report")
     made = _existing(asked) if asked.table else _computed(asked)
     files = [] if asked.table else [made.path]
     if asked.report is not None:
@@ -140,7 +142,7 @@ def _computed(asked: Asked) -> Made:
     from ship_gym.reports.wave_table import largest_froude
     from ship_gym.seakeeping import database
     from ship_gym.ships.loader import load_ship
-    from ship_gym_agents.cli.output import need, progress
+    from ship_gym_agents.cli.output import need, place, progress
 
     need("capytaine", "joblib")
     ship = load_ship(asked.ship or "kcs_model")
@@ -151,7 +153,7 @@ def _computed(asked: Asked) -> Made:
     # beside a ship file, where the ship finds it
     own = str(asked.ship or "").endswith(".toml")
     folder = Path(asked.ship).parent if own else Path("runs")
-    out = asked.out or folder / f"waves_{ship.name}.npz"
+    out = place(asked.out, folder / f"waves_{ship.name}.npz")
     return Made(database.build(ship, mesh, out, grid, asked.jobs, progress), ship, mesh, out)
 
 

@@ -37,8 +37,9 @@ def captive(
     from ship_gym.config import ConfigError, check_known
     from ship_gym.plotting.captive import plot_captive
     from ship_gym.reports import captive as report
-    from ship_gym_agents.cli.output import progress, show
+    from ship_gym_agents.cli.output import place, progress, show
 
+    out = place(out, "runs/captive.png")
     if test is not None:
         check_known("captive test", test, (*TESTS, ALL))
     if measured is not None:
@@ -49,7 +50,6 @@ def captive(
     else:
         tests = TESTS if test in (None, ALL) else (test,)
         cases = [report.tow(ship, each, speed, n) for each in progress(tests, "towing")]
-    out = Path("runs") / "captive.png" if out is None else out
     several = len(cases) > 1
     files = [out.with_stem(f"{out.stem}_{case.test}") if several else out for case in cases]
     for case, path in zip(cases, files, strict=True):

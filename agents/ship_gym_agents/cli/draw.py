@@ -49,12 +49,12 @@ def command(as_json, what, ship, surrogate, out, **options) -> None:
     Prints the numbers behind the picture, too.
     """
     from ship_gym.config import check_known
-    from ship_gym_agents.cli.output import need, show
+    from ship_gym_agents.cli.output import need, place, show
 
     need("matplotlib")
     check_known("picture", what, PICTURES)
     _check_together(what, options)
-    path = out or Path("runs") / f"{what}.png"
+    path = place(out, Path("runs") / f"{what}.png")
     data = PICTURES[what](ship, surrogate, path, options)
     show(as_json, {**data, "files": [str(path)]}, f"{_text(data)}\n\nwrote {path}")
 

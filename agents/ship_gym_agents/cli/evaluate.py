@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Any
 
 import click
 
 from ship_gym_agents.cli.options import Several, environment, out, verb
-from ship_gym_agents.cli.values import Name, whole
+from ship_gym_agents.cli.values import Name, OutFolder, whole
 
 
 @verb(
     "--policy runs/quickstart ppo_kcs",
+    "--controller pid adaptive --record runs/recordings --which worst best",
     "--controller mylqr.py:LQR pid --ship kvlcc2 --episodes 128 --markdown",
 )
 @click.option(
@@ -35,51 +37,81 @@ from ship_gym_agents.cli.values import Name, whole
 @click.option("--episodes", type=whole(1, 10**6), default=32, help="Number of seeds.")
 @out(".json", "Results; default: evaluation.json, in runs or the folder of the one policy.")
 @click.option("--markdown", is_flag=True, help="Print the tables for a README.")
-def command(as_json, policies, controllers, task, episodes, out, markdown, **options) -> None:
+@click.option("--record", type=OutFolder(), help="Folder to record episodes into, see --which.")
+@click.option(
+    "--which",
+    cls=Several,
+    type=Name("episodes"),
+    help="Episodes of each controller to record, by the headline metric: worst, best, median, "
+    "failed, all; several; default: worst.",
+)
+def command(
+    as_json, policies, controllers, task, episodes, out, markdown, record, which, **options
+) -> None:
     """Sail controllers on the same evaluation episodes; print their metrics.
 
-    Intervals: 95 % bootstrap over the episodes.
+    Intervals: 95 % bootstrap over the episodes. Failed episodes are the worst.
     """
     from ship_gym.evaluation import compare, evaluation_seeds, table
-    from ship_gym_agents.cli.output import next_command, show
-    from ship_gym_agents.cli.sailing import again
+    from ship_gym_agents.cli import evaluate_episodes as shown
+    from ship_gym_agents.cli.output import next_command, place, show
 
+    shown.check_which(which, record)
+    out = place(out, _folder(policies) / "evaluation.json")
     seeds = evaluation_seeds(episodes)
-    named, rollouts = _sail(list(policies), list(controllers), seeds, task, options)
+    named, rollouts = _sail([*policies], [*controllers], seeds, task, options)
     sailed = [r.controller for r in rollouts]
     usual = rollouts[0].task.controllers[0]
     found = compare(rollouts, usual if usual in sailed else None)
-    out = out or _folder(policies) / "evaluation.json"
+    found["extremes"] = shown.extremes_of(rollouts, found["episodes"])
     _write(found, out)
-    first = {"policy": policies[0]} if policies else {"controller": named[0]}
-    following = next_command("record", **first, **again(options, task))
+    wrote, data = [str(out)], {"file": str(out)}
+    following = _again(named, sailed, found["extremes"]["of"], policies, task, options)
+    if record is not None:
+        files = shown.recorded(rollouts, found["episodes"], which or ("worst",), record)
+        wrote.append(f"{len(files)} recordings in {record}")
+        data["recordings"] = [str(file) for file in files]
+        following = f"{next_command('review')} list {shlex.quote(str(record))}"
+        following += "" if task is None else f" --task {shlex.quote(task)}"
     text = (
         f"{found['ship']}, {len(seeds)} episodes (seeds {seeds[0]} to {seeds[-1]}), interquartile "
         f"mean [95 % interval]; success: mean\n{table(found, markdown)}\n\n"
-        f"wrote {out}\nnext: {following}"
+        f"{shown.extremes_table(found, markdown)}\n\nwrote {', '.join(wrote)}\nnext: {following}"
     )
-    show(as_json, {**found, "file": str(out), "next": following}, text)
+    show(as_json, {**found, **data, "next": following}, text)
+
+
+def _again(
+    named: list[str], sailed: list[str], extremes: dict, policies, task: str | None, options: dict
+) -> str:
+    """The command that records the worst episode of the controller the evaluation is about.
+
+    That is the first one that was trained, for it decides what is sailed where no option does.
+    """
+    from ship_gym_agents.cli.output import next_command
+    from ship_gym_agents.cli.sailing import again, known_to
+
+    subject = known_to(named)[0] or named[0]
+    seed = extremes[sailed[named.index(subject)]].get("worst", {}).get("seed")
+    who = "policy" if subject in policies else "controller"
+    return next_command("record", **{who: subject}, **again(options, task), seed=seed)
 
 
 def _sail(
     policies: list[str], others: list[str], seeds: list[int], task: str | None, options: dict
 ) -> tuple[list[str], list]:
     """The controllers as named and a rollout of each, all refused before the first one sails."""
-    from ship_gym.evaluation.guard import Guarded
     from ship_gym.evaluation.rollout import begin
-    from ship_gym_agents.cli.sailing import check_task, own_task, wanted
-    from ship_gym_agents.controllers import make_controller, trained_for
+    from ship_gym_agents.cli.sailing import check_task, known_to, own_task, ready, wanted
     from ship_gym_agents.entrants import controllers_of
 
     name = own_task(task)
-    first = [make_controller(policy) for policy in policies[:1]]
-    env = wanted(options, name, trained_for(first[0]) if first else None)
+    env = wanted(options, name, known_to([*policies, *filter(None, others)])[1])
     start = begin(seeds[:1], **env)
     check_task(start.scenario.task, name, options["scenario"])
-    named = [name for name in others or start.task.controllers if name]
-    controllers = controllers_of([*policies, *named])
-    for controller in controllers:
-        Guarded(controller, seeds[:1]).reset(1, start.ship, start.scenario)
+    named = [*policies, *(one for one in others or start.task.controllers if one)]
+    controllers = controllers_of(named)
+    ready(controllers, start, seeds)
     return named, [_sailed(controller, seeds, env) for controller in controllers]
 
 

@@ -59,7 +59,7 @@ def _checked(out: Path | None, policy: str, to: str) -> Path:
         out = name.with_suffix(_SUFFIX[to])
     context = click.get_current_context()
     option = next(param for param in context.command.params if param.name == "out")
-    out = OutFile(_SUFFIX[to]).convert(out if isinstance(out, str) else str(out), option, context)
+    out = OutFile(_SUFFIX[to]).convert(str(out), option, context)
     if out.exists() and (source / "policy.safetensors" if source.is_dir() else source) == out:
         raise ConfigError(f"--out {out}: that is the policy itself")
     return out

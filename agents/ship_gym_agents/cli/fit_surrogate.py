@@ -62,12 +62,15 @@ def command(as_json, install, **options) -> None:
 
     The result is a table file that attaches to a ship.
     """
+    from ship_gym.provenance import check_place
+    from ship_gym.ships.files import DATA
     from ship_gym_agents.cli.output import need, show
 
     asked = Asked(**options)
     if asked.plot or asked.report is not None:
         need("matplotlib")
     if install is not None:
+        check_place(DATA if install == Path() else install, "--install", folder=True)
         files = _install(install)
         show(as_json, {"files": files}, "wrote\n  " + "\n  ".join(files))
     else:
@@ -186,8 +189,9 @@ def _fit_one(asked: Asked) -> tuple[dict, str]:
     from ship_gym.reports.page import plain_text
     from ship_gym.reports.surrogate_sections import sections
     from ship_gym.ships.loader import attach_surrogate
-    from ship_gym_agents.cli.output import report_page
+    from ship_gym_agents.cli.output import place, report_page
 
+    place(asked.out, "runs/surrogate.npz")  # the fit names it, in this folder
     data, ship, options, choice = _chosen(asked)
     found, table, facts = _fitted(data, ship, options, choice)
     out = asked.out or Path("runs") / f"{report.file_stem(found)}.npz"

@@ -75,6 +75,13 @@ def engines() -> list[str]:
     return list(ENGINES)
 
 
+def episodes() -> list[str]:
+    """Which episodes of an evaluation can be recorded."""
+    from ship_gym.evaluation.choice import WHICH
+
+    return list(WHICH)
+
+
 NAMES: dict[str, Callable[[], list[str]]] = {
     "ships": ships,
     "scenarios": scenarios,
@@ -86,4 +93,5 @@ NAMES: dict[str, Callable[[], list[str]]] = {
     "recipes": recipes,
     "suites": suites,
     "engines": engines,
+    "episodes": episodes,
 }

@@ -189,11 +189,11 @@ def _overrides(ctx: click.Context, param: click.Parameter, given: Sequence[str])
             raise click.UsageError(f"--set {pair}: must be KEY=VALUE", ctx)
         if key.strip() in found:
             raise click.UsageError(f"--set {pair}: {key.strip()} is given twice", ctx)
-        found[key.strip()] = _toml_value(value.strip())
+        found[key.strip()] = toml_value(value.strip())
     return found
 
 
-def _toml_value(text: str) -> Any:
+def toml_value(text: str) -> Any:
     """The value of a TOML text; what is none is the text itself, so that names need no quotes."""
     try:
         found = tomllib.loads(f"value = {text}")

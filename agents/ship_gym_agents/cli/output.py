@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
 import shlex
 import sys
-from collections.abc import Callable, Iterable, Mapping
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -29,20 +32,55 @@ _EXTRAS = {
 
 def run(main: Callable[[], Any]) -> None:
     """Call `main`; an error a user can mend is one line on stderr and exit code 2."""
+    usual = threading.excepthook
+    threading.excepthook = lambda ended: _thread_ended(ended, usual)
     try:
         main()
+        with _stdout():  # at exit Python would print a trace
+            sys.stdout.flush()
     except (KeyboardInterrupt, click.Abort) as stop:  # click's stands for one that says more
         sys.exit(_refuse(str(stop.__cause__ or stop) or "interrupted"))
     except click.ClickException as error:
         sys.exit(_refuse(f"error: {error.format_message()}"))
-    except (ImportError, OSError) as error:
-        sys.exit(_refuse(f"error: {error}"))
-    except ValueError as error:
-        from ship_gym.config import ConfigError  # late: it imports Gymnasium
-
-        if not isinstance(error, ConfigError):
+    except Exception as error:
+        if not (text := _in_words(error)):
             raise
-        sys.exit(_refuse(f"error: {error}"))
+        sys.exit(_refuse(f"error: {text}"))
+    finally:
+        threading.excepthook = usual
+
+
+def _thread_ended(ended: Any, usual: Callable[[Any], Any]) -> None:
+    """A library's writing thread that found a full disk says so in a line, not with a trace."""
+    from ship_gym.provenance import no_space
+
+    if ended.exc_value is not None and (reason := no_space(ended.exc_value)):
+        print(f"warning: a log is broken off: {reason}", file=sys.stderr)
+    else:
+        usual(ended)
+
+
+def _in_words(error: Exception) -> str:
+    """An error that a user can mend, in words; empty for one that only a programmer can."""
+    from ship_gym.config import ConfigError  # late: it imports Gymnasium
+    from ship_gym.provenance import DiskFull, no_space
+
+    if not isinstance(error, DiskFull) and (reason := no_space(error)):
+        where = getattr(error, "filename", None)
+        return f"{where}: {reason}" if where else f"{reason}; what was being written is not whole"
+    return str(error) if isinstance(error, ConfigError | ImportError | OSError) else ""
+
+
+@contextlib.contextmanager
+def _stdout() -> Iterator[None]:
+    """Name stdout in an error of writing to it; a pipe that is read no more is none."""
+    try:
+        yield
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the flush at exit
+        if not isinstance(error, BrokenPipeError):
+            error.filename = "stdout"
+            raise
 
 
 def _refuse(message: str) -> int:
@@ -70,7 +108,8 @@ def progress(iterable: Iterable, description: str = "", total: int | None = None
 
 def show(as_json: bool, data: Mapping[str, Any], text: str) -> None:
     """Print `data` as JSON (``--json``) or `text` for people, on stdout."""
-    print(json.dumps(data, indent=2, allow_nan=False) if as_json else text)
+    with _stdout():
+        print(json.dumps(data, indent=2, allow_nan=False) if as_json else text)
 
 
 def next_command(verb: str, **options: Any) -> str:
@@ -82,6 +121,15 @@ def next_command(verb: str, **options: Any) -> str:
             if each is not None:
                 words += [option, shlex.quote(str(each))]
     return " ".join(words)
+
+
+def place(given: Path | None, usual: str | Path, option: str = "--out") -> Path:
+    """The file to write: the one that was given, and tried then, else the usual one, tried now."""
+    if given is not None:
+        return given
+    from ship_gym.provenance import check_place
+
+    return check_place(usual, option)
 
 
 def report_page(wanted: Path | None, table: Path) -> Path | None:

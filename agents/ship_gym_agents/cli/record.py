@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 
-from ship_gym_agents.cli.options import Several, environment, out, seed, verb
-from ship_gym_agents.cli.values import Name
+from ship_gym_agents.cli.options import Several, environment, seed, verb
+from ship_gym_agents.cli.record_out import OutRecordings, Places
+from ship_gym_agents.cli.record_pick import OF, Pick
+from ship_gym_agents.cli.record_tables import tables
+from ship_gym_agents.cli.seeds import MOST, seeds_of
+from ship_gym_agents.cli.values import Name, whole
 
 
 @verb(
     "--policy runs/quickstart",
-    "--controller pid adaptive --ship kvlcc2 --seed 2000007 --out runs/heading.rrd",
+    "--controller pid adaptive --ship kvlcc2 --seeds 2000000..2000007 --out runs/heading",
+    "--controller pid --worst 5 --by J_1 --of 128 --out runs/worst",
 )
 @click.option(
     "--policy",
@@ -26,81 +29,132 @@ from ship_gym_agents.cli.values import Name
     cls=Several,
     type=Name("controllers"),
     default=["pid"],
-    help="Names, policies, gains or your own FILE.py:NAME; several: a file for each.",
+    help="Names, policies, gains or your own FILE.py:NAME; several: files for each.",
 )
 @environment("those of the first policy, else heading_keeping, kcs, rudder")
 @seed("Of the episode; default: the first of an evaluation.", default=None, largest=2**63 - 1)
-@out(".rrd", "File to write; of several controllers -NAME is added.", default="runs/rollout.rrd")
-def command(as_json, named, task, seed, out, **options) -> None:
-    """Record one episode as a rerun file, read it back and compute its metrics."""
-    from ship_gym.evaluation.rollout import EVALUATION_SEED
-    from ship_gym_agents.cli.output import need, next_command, show
+@click.option(
+    "--seeds",
+    cls=Several,
+    callback=seeds_of,
+    metavar="N|FIRST..LAST|SEED...",
+    help="Several episodes: so many of an evaluation, a range with both ends, or a list.",
+)
+@click.option(
+    "--worst", type=whole(1, MOST), help="Sail them all, keep so many of the worst; failed first."
+)
+@click.option("--best", type=whole(1, MOST), help="The same for the best.")
+@click.option("--median", is_flag=True, help="The same for the one in the middle.")
+@click.option("--by", metavar="METRIC", help="What decides; default: the headline of the task.")
+@click.option(
+    "--of",
+    type=whole(1, 10**6),
+    help=f"Evaluation episodes to choose from; default: {OF}, or those of --seeds.",
+)
+@click.option(
+    "--out",
+    type=OutRecordings(),
+    help="One: the file; default: runs/rollout.rrd. Several: their folder, or a file to whose "
+    "name -CONTROLLER-SEED is added; default: runs/recordings.",
+)
+def command(as_json, named, task, seed, seeds, worst, best, median, by, of, out, **options) -> None:
+    """Record episodes as rerun or CSV files, read them back and compute their metrics.
 
-    need("rerun")
-    seed = EVALUATION_SEED if seed is None else seed
-    sailed = _sail(named, task, seed, options)
-    files = [out] if len(sailed) == 1 else [_beside(out, one) for one in sailed]
-    found = [_kept(one, file) for one, file in zip(sailed, files, strict=True)]
-    paths = " ".join(shlex.quote(str(file)) for file in files)
-    following = f"{next_command('review', task=task)} {paths}"
-    text = f"seed {seed}, metrics computed from {', '.join(map(str, files))}\n"
-    text += f"{_table(sailed[0].meta['task'], found)}\n\nwrote {', '.join(map(str, files))}\n"
-    text += f"next: rerun {paths}\n      {following}"
-    data = found[0] if len(found) == 1 else {"recordings": found}
-    show(as_json, {**data, "next": following}, text)
+    Rows go to disk while a ship sails: of a recording that is killed FILE.rrd.partial stays, and
+    holds all but its last seconds.
+    """
+    from ship_gym_agents.cli.output import need, show
+
+    pick = Pick(worst or 0, best or 0, median, by)
+    seeds = pick.seeds(seed, seeds, of)
+    each = min(pick.most, len(seeds)) if pick.most else len(seeds)
+    places = Places(out, len(named) * each > 1)
+    if places.suffix == ".rrd":
+        need("rerun")
+    found, why = _record(named, task, seeds, pick, places, options)
+    show(as_json, *_told(found, why, places, task))
 
 
-def _sail(named: Sequence[str], task: str | None, seed: int, options: dict) -> list:
-    """The episode as a recording of each controller, all refused before the first one sails."""
-    from ship_gym.evaluation import rollout
-    from ship_gym.evaluation.guard import Guarded
+class _Plan(NamedTuple):
+    """What is sailed, what of it is kept, and where."""
+
+    seeds: Sequence[int]
+    pick: Pick
+    places: Places
+    env: dict[str, Any]
+
+
+def _record(
+    named: Sequence[str],
+    task: str | None,
+    seeds: Sequence[int],
+    pick: Pick,
+    places: Places,
+    options,
+) -> tuple[list, list[dict]]:
+    """Recordings, and why each was kept; all is refused before the first ship sails."""
+    from ship_gym.config import ConfigError
+    from ship_gym.evaluation.recordings import check_told_apart
     from ship_gym.evaluation.rollout import begin
-    from ship_gym_agents.cli.output import progress
-    from ship_gym_agents.cli.sailing import own_task, resolved, wanted
-    from ship_gym_agents.controllers import trained_for
+    from ship_gym_agents.cli.sailing import known_to, own_task, ready, resolved, wanted
     from ship_gym_agents.entrants import controllers_of
 
     name = own_task(task)
     controllers = controllers_of(named)
-    known = [trained_for(controller) for controller in controllers]
-    env = wanted(options, name, next(filter(None, known), {}))
-    resolved(env, name)
-    start = begin([seed], **env)
-    for controller in controllers:
-        Guarded(controller, [seed]).reset(1, start.ship, start.scenario)
-    how = {"seeds": [seed], "progress": progress, **env}
-    return [rollout(controller, **how).trajectory(0) for controller in controllers]
+    check_told_apart([controller.name for controller in controllers])
+    env = wanted(options, name, known_to(named)[1])
+    sailed_task = resolved(env, name).task
+    ready(controllers, begin(seeds[:1], **env), seeds)
+    plan = _Plan(seeds, pick, places, env)
+    if not pick.most:
+        found = [one for each in controllers for one in _all(each, plan)]
+        return found, [{} for _ in found]
+    by, metric = pick.metric(sailed_task)
+    kept = [one for each in controllers for one in _some(each, plan, by, metric.better)]
+    if not kept:
+        raise ConfigError(f"--by {by}: none of the {len(seeds)} episodes has a value of it")
+    return [one for one, _ in kept], [{"which": which, "by": by} for _, which in kept]
 
 
-def _beside(out: Path, sailed: Any) -> Path:
-    """The file of one of several controllers."""
-    name = re.sub(r"[^A-Za-z0-9_.-]+", "-", sailed.meta["controller"])
-    return out.with_stem(f"{out.stem}-{name}")
+def _all(controller: Any, plan: _Plan) -> list:
+    from ship_gym.evaluation.recordings import sail
+
+    files = [plan.places.of(controller.name, seed) for seed in plan.seeds]
+    return sail(controller, plan.seeds, files, progress=_bar(controller), **plan.env)
 
 
-def _kept(sailed: Any, file: Path) -> dict[str, Any]:
-    """Write a recording; its metrics, computed from the file."""
-    from ship_gym.evaluation import metrics
-    from ship_gym.recording import Trajectory
+def _some(controller: Any, plan: _Plan, by: str, better: str) -> list[tuple[Any, str]]:
+    """Sail all in one batch, keep some: recordings and what each of them is."""
+    from ship_gym.evaluation import rollout
+    from ship_gym.evaluation.comparison import per_episode
+    from ship_gym.evaluation.recordings import keep
+    from ship_gym_agents.cli.output import progress
 
-    sailed.to_rrd(file)
-    found = metrics(Trajectory.from_rrd(file))
-    if found != metrics(sailed):
-        raise OSError(f"{file}: the metrics of the file are not those of the episode")
-    meta = sailed.meta
-    return {
-        "controller": meta["controller"], "seed": meta["seed"], "metrics": found, "file": str(file)
-    }  # fmt: skip
+    sailed = rollout(controller, seeds=plan.seeds, progress=_bar(controller), **plan.env)
+    chosen = plan.pick.chosen(per_episode(sailed)[by], better, sailed.failed.tolist())
+    return [
+        (keep(sailed.trajectory(i), plan.places.of(controller.name, plan.seeds[i])), which)
+        for i, which in progress(chosen.items(), "writing")
+    ]
 
 
-def _table(task: str, found: list[dict[str, Any]]) -> str:
-    """Metrics of the recordings side by side."""
-    from ship_gym.evaluation import metrics_of
-    from ship_gym.text import table
+def _bar(controller: Any) -> Any:
+    from ship_gym_agents.cli.output import progress
 
-    rows = []
-    for key, metric in metrics_of(task).items():
-        values = [one["metrics"][key] for one in found]
-        cells = ["-" if value is None else f"{value:.5g}" for value in values]
-        rows.append([key, metric.unit, *cells])
-    return table(["metric", "unit", *(one["controller"] for one in found)], rows, None)
+    return lambda steps: progress(steps, controller.name)
+
+
+def _told(found: Sequence, why: Sequence[dict], places: Places, task: str | None) -> tuple:
+    """The result for JSON and for people."""
+    from ship_gym_agents.cli.output import next_command
+
+    recordings = [one.plain() | more for one, more in zip(found, why, strict=True)]
+    data = recordings[0] if len(found) == 1 else {"recordings": recordings}
+    where = str(found[0].file) if len(found) == 1 else f"{len(found)} files in {places.folder}"
+    text = f"{tables(found, why)}\n\nwrote {where}"
+    if places.suffix != ".rrd":
+        return data, text
+    what, place = ("show", found[0].file) if len(found) == 1 else ("list", places.folder)
+    following = f"{next_command('review')} {what} {shlex.quote(str(place))}"
+    following += "" if task is None else f" --task {shlex.quote(task)}"
+    return data | {"next": following}, f"{text}\nnext: {following}"

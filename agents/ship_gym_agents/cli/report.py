@@ -33,7 +33,7 @@ def command(as_json, results, out, markdown, episodes) -> None:
     if out and markdown:
         raise click.UsageError("--out and --markdown: allowed is one of them")
     from ship_gym.evaluation.episodes_table import read_results
-    from ship_gym_agents.cli.output import need, progress, show
+    from ship_gym_agents.cli.output import need, place, progress, show
 
     need("pyarrow", "matplotlib")
     from ship_gym.evaluation.report import write_markdown, write_report
@@ -45,7 +45,7 @@ def command(as_json, results, out, markdown, episodes) -> None:
         files = write_markdown(found, markdown, shlex.join(words))
     else:
         folder = results if results.is_dir() else results.parent
-        files = [out or folder / "report.html"]
+        files = [place(out, folder / "report.html")]
         bar = lambda chosen: progress(chosen, "pictures")  # noqa: E731
         write_report(found, files[0], sail=sail_again, pictures=episodes, progress=bar)
     data = {"episodes": found.table.num_rows, "files": [str(file) for file in files]}

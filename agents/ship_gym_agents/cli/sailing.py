@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 
@@ -60,6 +61,24 @@ def resolved(env: Mapping[str, Any], task: str | None) -> Any:
     return scenario
 
 
+def known_to(named: Sequence[str]) -> tuple[str | None, dict[str, Any]]:
+    """The first of these controllers that was trained, and what for; None and nothing if none."""
+    from ship_gym_agents.controllers import make_controller, trained_for
+
+    for name in named:
+        if found := trained_for(make_controller(name)):
+            return name, found
+    return None, {}
+
+
+def ready(controllers: Sequence[Any], start: Any, seeds: Sequence[int]) -> None:
+    """Refuse, before the first one sails, controllers that cannot steer episodes that begin so."""
+    from ship_gym.evaluation.guard import Guarded
+
+    for controller in controllers:
+        Guarded(controller, seeds[:1]).reset(1, start.ship, start.scenario)
+
+
 def again(options: Mapping[str, Any], task: str | None) -> dict[str, Any]:
     """The options of what is sailed, as ``output.next_command`` takes them."""
     overrides = [f"{key}={_shown(value)}" for key, value in options["overrides"].items()]
@@ -68,5 +87,19 @@ def again(options: Mapping[str, Any], task: str | None) -> dict[str, Any]:
 
 
 def _shown(value: Any) -> str:
-    """A value of TOML; of names, truth and numbers that is what one types."""
-    return str(value).lower() if isinstance(value, bool) else str(value)
+    """A value as ``--set`` takes it: TOML, a text bare where it would be read as one."""
+    from ship_gym_agents.cli.options import toml_value
+
+    if isinstance(value, str) and toml_value(value) == value:
+        return value
+    return _toml(value)
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, bool | str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{json.dumps(key)} = {_toml(own)}' for key, own in value.items())}}}"
+    return str(value)

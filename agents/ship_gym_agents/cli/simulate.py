@@ -90,17 +90,18 @@ def _handling(as_json, what, ship, sets, files, options) -> None:
     from ship_gym.plotting.handling import plot_handling
     from ship_gym.reports import handling
     from ship_gym.ships.loader import load_ship
-    from ship_gym_agents.cli.output import need, show
+    from ship_gym_agents.cli.output import need, place, show
 
     need("matplotlib", *(["rerun"] if files["rrd"] else []))
     for name in ("psi_deg", "test", "measured"):
         _refuse_given(name, options.pop(name), f"it is not of {what}")
     _refuse_given("loading", files["loading"], f"it is not of {what}")
+    picture = place(files["out"], Path("runs") / f"{what}.png")
     vessel = load_ship(ship, surrogate=sets[0], variant=sets[1])
     case = handling.sail_handling(vessel, what, **options)
     history = case.result.trajectory
     jobs = (
-        (files["out"] or Path("runs") / f"{what}.png", lambda path: plot_handling(case, path)),
+        (picture, lambda path: plot_handling(case, path)),
         (files["csv"], history.to_csv),
         (files["rrd"], lambda path: recording(case.result).to_rrd(path)),
     )
@@ -114,7 +115,7 @@ def _handling(as_json, what, ship, sets, files, options) -> None:
 def _turns(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, options) -> None:
     """Sail, print and draw turning circle, zig-zag or trials."""
     from ship_gym.reports import manoeuvre as report
-    from ship_gym_agents.cli.output import check_different, need, progress, show
+    from ship_gym_agents.cli.output import check_different, need, place, progress, show
 
     need("matplotlib", *(["rerun"] if rrd else []))
     check_different(out=out, loading=loading)
@@ -126,6 +127,7 @@ def _turns(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, opti
         _refuse_given(name, value, "belongs to captive")
     cases, files = [], []
     jobs = _jobs(what, ship, surrogate, variant, options)
+    place(out, Path("runs") / f"{what}.png")  # the folder is the same for all
     for k, job in enumerate(progress(jobs, "sailing"), start=1):
         cases.append(job())
         files.append(_write(cases[-1], out, extras, f"_{k}" if what == "trials" else ""))

@@ -93,6 +93,7 @@ def _jobs(
     from ship_gym.config import ConfigError
     from ship_gym.ships.files import available_ships
     from ship_gym.ships.loader import load_ship
+    from ship_gym_agents.cli.output import place
     from ship_gym_agents.controllers import CONTROLLERS, controller_class
     from ship_gym_agents.gains_files import place_for_gains
     from ship_gym_agents.tuning.structures import own_task_of
@@ -107,7 +108,7 @@ def _jobs(
             raise ConfigError(f"--controllers {name}: your own needs a file for its gains: --out")
         of_task = own_task_of(kind, _sailed(kind, task, options)[1])
         for ship in names:
-            path = out or place_for_gains(load_ship(ship).name, kind.KIND, of_task)
+            path = place(out, place_for_gains(load_ship(ship).name, kind.KIND, of_task))
             made.append(_Job(name, kind, ship, path))
     return made
 

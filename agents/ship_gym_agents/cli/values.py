@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from pathlib import Path
 from typing import Any
 
@@ -77,10 +76,7 @@ class OutFile(click.ParamType):
             return path
         if path.suffix.lower() != self.suffix:
             raise click.UsageError(f"{option} {path}: allowed is a {self.suffix} file", ctx)
-        if path.is_dir():
-            raise click.UsageError(f"{option} {path}: that is a folder", ctx)
-        _check_writable(path.parent, f"{option} {path}", ctx)
-        return path
+        return _tried(path, option, ctx)
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
         """How the help shows it."""
@@ -99,22 +95,20 @@ class OutFolder(click.ParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path of a text."""
         path, option = Path(value), param.opts[0] if param else "folder"
-        if value != "":
-            _check_writable(path, f"{option} {path}", ctx)
-        return path
+        return path if value == "" else _tried(path, option, ctx, folder=True)
 
     def shell_complete(self, ctx, param, incomplete: str) -> list[CompletionItem]:
         """Folders of the shell."""
         return [CompletionItem(incomplete, type="dir")]
 
 
-def _check_writable(folder: Path, what: str, ctx: click.Context | None) -> None:
-    """Refuse a folder that can neither be written into nor made."""
-    there = next(place for place in (folder, *folder.absolute().parents) if place.exists())
-    if not there.is_dir():
-        raise click.UsageError(f"{what}: {there} is a file, not a folder", ctx)
-    if not os.access(there, os.W_OK):
-        raise click.UsageError(f"{what}: no permission to write into {there}", ctx)
+def _tried(path: Path, option: str, ctx: click.Context | None, folder: bool = False) -> Path:
+    """The path, refused if it could not be written; a shell that completes does not try it."""
+    if ctx is not None and ctx.resilient_parsing:
+        return path
+    from ship_gym.provenance import check_place
+
+    return check_place(path, option, folder)
 
 
 class Name(click.ParamType):

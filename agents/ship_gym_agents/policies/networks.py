@@ -137,7 +137,7 @@ class Mlp:
     def _layers(self, values: np.ndarray) -> np.ndarray:
         activation, last = ACTIVATIONS[self.activation], len(self.weights) - 1
         for k, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
-            values = values @ weight.T + bias
+            values = _times(values, weight) + bias
             values = activation(values) if k < last else values
         return values
 
@@ -225,7 +225,8 @@ class Lstm:
     def step(self, scaled: np.ndarray, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Decisions (count, n_decisions) and the next state."""
         hidden, cell = state
-        gates = scaled @ self.input_weight.T + hidden @ self.hidden_weight.T + self.gate_bias
+        gates = _times(scaled, self.input_weight) + _times(hidden, self.hidden_weight)
+        gates += self.gate_bias
         enter, forget, new, leave = np.split(gates, 4, axis=1)
         cell = _sigmoid(forget) * cell + _sigmoid(enter) * np.tanh(new)
         hidden = _sigmoid(leave) * np.tanh(cell)
@@ -280,6 +281,14 @@ def network_from(about: Mapping[str, Any], tensors: Mapping[str, np.ndarray]) ->
 def _single(array: np.ndarray) -> np.ndarray:
     """Float64 numbers that float32 holds without loss."""
     return np.asarray(array, dtype=np.float32).astype(np.float64)
+
+
+def _times(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """``rows @ weight.T``, each row by itself: a product of the whole would round otherwise.
+
+    So an episode is the same, bit for bit, in a batch of any size.
+    """
+    return np.matmul(rows[:, None, :], weight.T)[:, 0, :]
 
 
 def _sigmoid(x: np.ndarray) -> np.ndarray:

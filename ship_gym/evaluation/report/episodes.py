@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from ship_gym.evaluation import choice
 from ship_gym.evaluation.report import words
 from ship_gym.evaluation.report.benchmark import Benchmark
 from ship_gym.evaluation.report.events import Event, Run, slug
@@ -16,7 +17,7 @@ from ship_gym.plotting.figure import for_page
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.reports.page import Block, Command, Grid, Picture, Row
 
-WHICH = ("best", "median", "worst")
+WHICH = choice.EXTREMES
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,6 +32,8 @@ class Episode:
     seed : int
     control : str or None
         Instead of the scenario's.
+    task : str or None
+        File of the scenario's task, if it is one's own.
     """
 
     scenario: str
@@ -38,6 +41,7 @@ class Episode:
     controller: str
     seed: int
     control: str | None = None
+    task: str | None = None
 
     @property
     def command(self) -> str:
@@ -45,6 +49,7 @@ class Episode:
         parts = ["ship-gym", "record", "--controller", self.controller]
         parts += ["--scenario", self.scenario, "--ship", self.ship]
         parts += ["--control", self.control] if self.control else []
+        parts += ["--task", self.task] if self.task else []
         return shlex.join([*parts, "--seed", str(self.seed)])
 
 
@@ -53,26 +58,23 @@ Sail = Callable[[Episode], Trajectory | None]
 
 
 def extremes(event: Event, run: Run) -> dict[str, int]:
-    """Seeds of the best, the median (the lower one of two) and the worst episode of a run.
+    """Seeds of the best, the median and the worst episode of a run, as ``choice.ranked`` has them.
 
-    Episodes without a value are none of them; of equal ones the first seed counts.
+    Those that the controller broke off with an error cannot be sailed again: they are none of them.
     """
-    there = np.flatnonzero(np.isfinite(run.values))
-    if not len(there):
-        return {}
-    signed = run.values[there] * (1.0 if event.metric.better == "lower" else -1.0)
-    order = there[np.argsort(signed, kind="stable")]
-    seeds = run.seeds[order]
-    return dict(
-        zip(WHICH, map(int, (seeds[0], seeds[(len(seeds) - 1) // 2], seeds[-1])), strict=True)
-    )
+    there = np.flatnonzero(~run.broken)
+    values, failed = run.values[there].tolist(), run.columns["failed"][there].tolist()
+    found = choice.extremes(run.seeds[there].tolist(), values, event.metric.better, failed)
+    return {which: one["seed"] for which, one in found.items()}
 
 
 def episode(found: Benchmark, event: Event, controller: str, seed: int) -> Episode:
     """An episode of an event, with the names that what sails it again needs."""
     named = found.about.get("controllers", {}).get(controller, {}).get("named", controller)
-    controls = found.about.get("suites", {}).get(event.suite, {}).get("controls", {})
-    return Episode(event.scenario, event.ship, named, seed, controls.get(event.scenario))
+    suite = found.about.get("suites", {}).get(event.suite, {})
+    control = suite.get("controls", {}).get(event.scenario)
+    task = suite.get("tasks", {}).get(event.task)
+    return Episode(event.scenario, event.ship, named, seed, control, task)
 
 
 def blocks(found: Benchmark, event: Event) -> list[Block]:

@@ -7,8 +7,9 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from ship_gym.recording import hull_shape, plan, scene
-from ship_gym.recording.about import about_text, run_name
+from ship_gym.recording.card import run_name
 from ship_gym.recording.panels import Panel, motion_panels, steering_panels
+from ship_gym.recording.rerun_export.annotations import send_card, send_marks
 from ship_gym.recording.rerun_export.blueprint import (
     FOLLOWED,
     blueprint,
@@ -40,7 +41,9 @@ def send_picture(out: Output, trajectory: Trajectory) -> None:
     for panel in steering + motion:
         _log_panel(out, columns["t"], panel)
     if out.fixed:
-        send_about(out, trajectory)
+        send_card(out, trajectory)
+        if out.area is None:  # of a run that is on, the marks come at its end
+            send_marks(out, trajectory)
         out.stream.send_recording_name(run_name(trajectory.meta))
         times = whole(columns["t"]) if out.area is None else latest()
         out.stream.send_blueprint(blueprint(*times, views, steering, motion))
@@ -48,8 +51,9 @@ def send_picture(out: Output, trajectory: Trajectory) -> None:
 
 
 def send_about(out: Output, trajectory: Trajectory) -> None:
-    """Send the page that says what was run."""
-    log(out, "about", rr.TextDocument(about_text(trajectory), media_type="text/markdown"))
+    """Send the card of a run, and its marks."""
+    send_card(out, trajectory)
+    send_marks(out, trajectory)
 
 
 def _log_scene(out, trajectory: Trajectory, points: np.ndarray, ship, length: float) -> None:

@@ -1,0 +1,122 @@
+"""``ship-gym review compare``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ship_gym_agents.cli.options import out, verb
+from ship_gym_agents.cli.review.files import files
+from ship_gym_agents.cli.values import Name
+
+if TYPE_CHECKING:
+    from ship_gym.recording import Trajectory
+
+_USUAL = "runs/compare.rrd"
+
+
+@verb(
+    "runs/rollout-pid.rrd runs/rollout-lqg.rrd",
+    "runs/*.rrd --out runs/all.rrd --picture runs/all.png",
+)
+@files()
+@out(".rrd", f"Recording with all of them; default: {_USUAL}.")
+@click.option("--task", type=Name("tasks"), help="Their task, if it is your own FILE.py[:NAME].")
+@out(".png", "Draw it, too, by rerun's viewer.", name="--picture")
+@click.option("--show", "shown", is_flag=True, help="Show it, too, in a window.")
+def command(as_json, files, out, task, picture, shown) -> None:
+    """Compare runs: metrics side by side, and one recording with all of them.
+
+    Two or more FILEs of one seed; differences are against the first. The recording has them
+    aligned in time, the differences plotted, the others as ghost ships.
+    """
+    from ship_gym.config import ConfigError
+    from ship_gym.recording.trajectory import import_rerun_export
+    from ship_gym_agents.cli.output import need, place, progress, show
+    from ship_gym_agents.cli.review.files import labels, recorded
+    from ship_gym_agents.cli.review.metrics import measured
+    from ship_gym_agents.cli.review.show import check_screen
+    from ship_gym_agents.cli.sailing import own_task
+
+    need("rerun")
+    import_rerun_export()
+    if len(files) < 2:
+        raise ConfigError(f"compare {files[0]}: needs two recordings or more")
+    own_task(task)
+    out = place(out, _USUAL)
+    if shown:
+        check_screen([out])
+    runs = [recorded(path) for path in progress(files, "reading")]
+    values = [measured(run, path).metrics for run, path in zip(runs, files, strict=True)]
+    names = labels(runs, files)
+    _write(runs, out, picture)
+    data = {
+        "recordings": [
+            {
+                "file": str(path),
+                "name": name,
+                "metrics": found,
+                "differences": _less(found, values[0]),
+            }
+            for path, name, found in zip(files, names, values, strict=True)
+        ],
+        "files": [str(path) for path in (out, picture) if path],
+    }
+    show(as_json, data, _text(runs, names, values, data["files"], out))
+    if shown:
+        from ship_gym.recording.rerun_export.viewer import show as open_window
+
+        open_window(out)
+
+
+def _write(runs: Sequence[Trajectory], out, picture) -> None:
+    """The recording of all, and its picture at the worst moment of the first."""
+    from ship_gym.recording.rerun_export.compare import write_comparison
+
+    from ship_gym.recording.marks import worst_moment
+    from ship_gym.recording.rerun_export.viewer import screenshot
+
+    write_comparison(runs, out)
+    if picture:
+        screenshot(out, picture, worst_moment(runs[0]))
+
+
+def _less(found: dict[str, Any], first: dict[str, Any]) -> dict[str, float]:
+    """Metrics less those of the first run, where both have one."""
+    return {
+        key: value - first[key]
+        for key, value in found.items()
+        if value is not None and first.get(key) is not None
+    }
+
+
+def _text(runs, names: Sequence[str], values: list[dict], written: list[str], out) -> str:
+    """Metrics side by side with their differences, what they have in common, what was written."""
+    from ship_gym.text import table
+    from ship_gym_agents.cli.review.files import next_review
+    from ship_gym_agents.cli.review.metrics import units_of
+
+    header = ["metric", "unit", names[0]]
+    for name in names[1:]:
+        header += [name, f"less {names[0]}"]
+    rows = []
+    for key, unit in units_of(values).items():
+        cells = [_cell(values[0].get(key), "{:.5g}")]
+        for found in values[1:]:
+            difference = _less(found, values[0]).get(key)
+            cells += [_cell(found.get(key), "{:.5g}"), _cell(difference, "{:+.3g}")]
+        rows.append([key, unit, *cells])
+    ends = [["outcome", "", *_beside([str(run.meta.get("outcome", "-")) for run in runs])]]
+    text = table(header, [*ends, *rows], 2)
+    return f"{text}\n\nwrote {', '.join(written)}\nnext: {next_review('show', out)}"
+
+
+def _beside(cells: list[str]) -> list[str]:
+    """Cells of the runs with an empty one behind each but the first, where differences stand."""
+    return [cells[0], *(cell for one in cells[1:] for cell in (one, ""))]
+
+
+def _cell(value: float | None, form: str) -> str:
+    return "-" if value is None else form.format(value)

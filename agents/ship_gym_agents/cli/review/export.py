@@ -1,0 +1,120 @@
+"""``ship-gym review export``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ship_gym_agents.cli.options import verb
+from ship_gym_agents.cli.review.files import files
+
+if TYPE_CHECKING:
+    from ship_gym.recording import Trajectory
+
+_NOTES = """
+formats:
+  csv      all columns, SI units, angles in rad; the meta as JSON in lines that begin with #
+  parquet  the same columns; the meta as JSON in the metadata of the schema, key ship_gym
+  png      its plots, one below the other
+  mp4      what env.render draws
+"""
+
+
+@verb(
+    "runs/rollout.rrd --out runs/rollout.csv",
+    "runs/*.rrd --format parquet --out runs/tables    # a folder",
+    notes=_NOTES,
+)
+@files()
+@click.option(
+    "--format", "kind", metavar="|".join(["csv", "parquet", "png", "mp4"]), help="Format."
+)
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="File, or folder of several; default: beside."
+)
+def command(as_json, files, kind, out) -> None:
+    """Write recordings as csv, parquet, png or mp4.
+
+    The extension of --out says the format, too. A run that was broken off is written as far as it
+    goes.
+    """
+    from ship_gym_agents.cli.output import need, progress, show
+    from ship_gym_agents.cli.review.files import recorded
+
+    need("rerun")
+    kind = _format(kind, out, len(files))
+    targets = _targets(files, kind, out)
+    need(*_NEEDED.get(kind, ()))
+    for path, target in progress(list(zip(files, targets, strict=True)), "writing"):
+        FORMATS[kind](recorded(path), target)
+    written = [str(target) for target in targets]
+    show(as_json, {"format": kind, "files": written}, f"wrote {', '.join(written)}")
+
+
+def _format(kind: str | None, out: Path | None, count: int) -> str:
+    """The format that is asked for, in one way or in both."""
+    from ship_gym.config import ConfigError, check_known
+
+    if kind is not None:
+        check_known("format", kind, FORMATS)
+    suffix = out.suffix.removeprefix(".").lower() if out is not None else ""
+    if count > 1 or not suffix:
+        if kind is None:
+            raise ConfigError(f"--format: which? Allowed are {', '.join(FORMATS)}")
+        return kind
+    if suffix not in FORMATS:
+        raise ConfigError(f"--out {out}: allowed is a file .{', .'.join(FORMATS)}")
+    if kind not in (None, suffix):
+        raise ConfigError(f"--out {out}: --format says {kind}; leave one of them out")
+    return suffix
+
+
+def _targets(paths: Sequence[Path], kind: str, out: Path | None) -> list[Path]:
+    """The file to write of each recording, all of them tried before any work."""
+    from ship_gym.config import ConfigError
+    from ship_gym.provenance import check_place
+
+    names = [f"{path.name.partition('.rrd')[0]}.{kind}" for path in paths]
+    if out is None:
+        found = [path.with_name(name) for path, name in zip(paths, names, strict=True)]
+    elif out.suffix.lower() == f".{kind}" and len(paths) == 1:
+        found = [out]
+    else:
+        found = [check_place(out, "--out", folder=True) / name for name in names]
+    if twice := next((path for path in found if found.count(path) > 1), None):
+        raise ConfigError(f"--out {out}: two of the recordings would be written as {twice}")
+    return [check_place(path, "--out") for path in found]
+
+
+def _csv(run: Trajectory, path: Path) -> None:
+    run.to_csv(path)
+
+
+def _parquet(run: Trajectory, path: Path) -> None:
+    from ship_gym.evaluation.trajectory_table import write_parquet
+
+    write_parquet(run, path)
+
+
+def _png(run: Trajectory, path: Path) -> None:
+    from ship_gym.plotting.run import plot_run
+
+    plot_run(run, path)
+
+
+def _mp4(run: Trajectory, path: Path) -> None:
+    from ship_gym.rendering.replay import write_video
+
+    write_video(run, path)
+
+
+FORMATS: dict[str, Callable[[Trajectory, Path], None]] = {
+    "csv": _csv,
+    "parquet": _parquet,
+    "png": _png,
+    "mp4": _mp4,
+}
+_NEEDED = {"parquet": ("pyarrow",), "png": ("matplotlib",)}

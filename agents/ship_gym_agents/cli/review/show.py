@@ -1,0 +1,88 @@
+"""``ship-gym review show``."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from ship_gym_agents.cli.options import verb
+from ship_gym_agents.cli.review.files import files
+from ship_gym_agents.cli.review.moments import WORST, At
+
+
+@verb("runs/rollout.rrd", "runs/pid.rrd runs/lqg.rrd --web")
+@files()
+@click.option("--web", is_flag=True, help="In a browser; served to this machine only.")
+@click.option("--at", type=At(WORST), default=WORST, help="Of one FILE: the time shown first [s].")
+def command(as_json, files, web, at) -> None:
+    """Show recordings in rerun's viewer, in a window or in a browser.
+
+    Returns when the window is closed, or at Ctrl+C. Every FILE is verified before the viewer sees
+    it; the journal of a run that is on or was broken off (.rrd.partial) is drawn first.
+    """
+    from ship_gym.recording.trajectory import import_rerun_export
+    from ship_gym_agents.cli.output import need, progress
+    from ship_gym_agents.cli.review.files import drawn, recorded
+    from ship_gym_agents.cli.review.moments import time_of
+
+    need("rerun")
+    import_rerun_export()
+    if not web:
+        check_screen(files)
+    runs = [recorded(path) for path in progress(files, "reading")]
+    moment = time_of(runs[0], at) if len(runs) == 1 else None
+    with drawn(files, runs) as paths, contextlib.suppress(KeyboardInterrupt):
+        if web:
+            _serve(as_json, files, paths)
+        else:
+            _open(as_json, files, paths, runs, moment)
+
+
+def check_screen(files: Sequence[Path]) -> None:
+    """Refuse a window where there is no screen, and say what else there is."""
+    from ship_gym.config import ConfigError
+    from ship_gym.recording.rerun_export.viewer import has_screen
+    from ship_gym_agents.cli.review.files import next_review
+
+    if not has_screen():
+        raise ConfigError(
+            "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set); for a browser: "
+            f"{next_review('show', '--web', *files)}; for a picture: "
+            f"{next_review('picture', files[0])}"
+        )
+
+
+def _open(as_json, files, paths, runs, moment) -> None:
+    from ship_gym.recording.rerun_export.viewer import show as open_window
+    from ship_gym_agents.cli.output import show
+    from ship_gym_agents.cli.review.moments import said
+
+    names = ", ".join(map(str, files))
+    text = f"{names} in rerun's viewer" + ("" if moment is None else f" at {said(runs[0], moment)}")
+    data = {"files": [str(path) for path in files], "time": moment}
+    show(as_json, data, f"{text}\nnext: close its window, or press Ctrl+C here")
+    sys.stdout.flush()
+    open_window(*paths, moment=moment)
+
+
+def _serve(as_json, files, paths) -> None:
+    import webbrowser
+
+    from ship_gym.recording.rerun_export.viewer import has_screen, serve_web
+    from ship_gym_agents.cli.output import show
+
+    served = serve_web(*paths)
+    try:
+        opened = has_screen() and webbrowser.open(served.address)
+        text = f"{', '.join(map(str, files))} at {served.address}, for this machine only"
+        following = "press Ctrl+C here when done" if opened else "open the address in a browser"
+        data = {"files": [str(path) for path in files], "address": served.address}
+        show(as_json, data, f"{text}\nnext: {following}")
+        sys.stdout.flush()
+        served.wait()
+    finally:
+        served.stop()

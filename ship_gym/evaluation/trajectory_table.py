@@ -1,0 +1,32 @@
+"""A recording as a parquet file, for pandas, Polars, DuckDB and the like."""
+
+from __future__ import annotations
+
+import json
+import os
+
+from ship_gym.evaluation.episodes_table import arrow
+from ship_gym.provenance import atomic_path
+from ship_gym.recording.trajectory import Trajectory
+
+META = b"ship_gym"  # key of the schema's metadata
+
+
+def write_parquet(trajectory: Trajectory, path: str | os.PathLike) -> None:
+    """Write all columns, float64, and the meta as JSON in the metadata of the schema.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+    path : path-like
+        File to write, whole or not at all.
+
+    Raises
+    ------
+    ImportError
+        If pyarrow is not installed.
+    """
+    pa, parquet = arrow()
+    table = pa.table(dict(trajectory.columns), metadata={META: json.dumps(trajectory.meta)})
+    with atomic_path(path) as temporary:
+        parquet.write_table(table, temporary, compression="zstd")

@@ -1,0 +1,259 @@
+"""ship-gym review: from a folder of runs to the worst one, its picture, its numbers, its table."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from ship_gym_agents.cli.review import VERBS, load_verb
+from ship_gym_agents.controllers import CONTROLLERS
+
+from ship_gym.evaluation import metrics, rollout
+from ship_gym.provenance import sha256
+from ship_gym.recording import Trajectory
+from ship_gym.recording.recorder import Recorder
+
+pytest.importorskip("rerun")
+
+from ship_gym.recording.rerun_export import viewer
+
+
+def with_meta(run, **more):
+    return Trajectory(run.columns, run.meta | more)
+
+
+@pytest.fixture(scope="module")
+def sailed():
+    """Three short episodes of heading keeping by two controllers, with what a writer adds."""
+    found = []
+    for name, seeds in (("pid", [1000001, 1000002]), ("constant", [1000001])):
+        made = rollout(CONTROLLERS[name](), seeds=seeds, overrides={"duration": 200.0})
+        for run in made.episodes:
+            more = {"kind": "episode", "scenario": "heading_keeping", "metrics": metrics(run)}
+            found.append(with_meta(run, **more))
+    return found
+
+
+@pytest.fixture
+def folder(sailed, cli, tmp_path):
+    """A folder with those episodes, a manoeuvre, a journal and a damaged file."""
+    runs = tmp_path / "runs"
+    for run in sailed:
+        run.to_rrd(runs / f"{run.meta['controller']}_{run.meta['seed']}.rrd", picture=False)
+    columns = {name: sailed[0][name] for name in ("t", "x", "y", "psi", "u", "v", "r")}
+    turn = {"kind": "manoeuvre", "task": "turning_circle", "ship": sailed[0].meta["ship"]}
+    turn |= {"metrics": {"advance": 3.125}}
+    Trajectory(columns, turn).to_rrd(runs / "turn.rrd", picture=False)
+    recorder = Recorder(runs / "killed.rrd", {"kind": "episode", "seed": 5}, ["t", "u"])
+    recorder.add(np.column_stack([sailed[0]["t"], sailed[0]["u"]]))
+    recorder.keep()
+    whole = bytearray((runs / "turn.rrd").read_bytes())
+    whole[1000] ^= 16
+    (runs / "bad.rrd").write_bytes(whole)
+    return runs
+
+
+def worst(sailed):
+    return max(sailed, key=lambda run: run.meta["metrics"]["J_steady"]).meta
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_help_has_examples_and_imports_nothing_heavy(cli, verb):
+    code, out, _ = cli("review", verb, "--help")
+    examples = out.split("examples:")[1]
+    assert code == 0 and examples.count(f"ship-gym review {verb}") >= 2 and "--json" in out
+    assert load_verb(verb).help.partition("\n")[0] == VERBS[verb]
+    code = f"""
+import sys
+from ship_gym_agents.cli import main
+main(["review", {verb!r}, "--help"])
+sys.exit(", ".join({{'numpy', 'gymnasium', 'ship_gym', 'rerun'}} & set(sys.modules)) or 0)"""
+    subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["lst"], ["unknown verb 'lst'", "did you mean 'list'"]),
+        ([], ["review what?", "review list FOLDER", "review metrics FILE"]),
+        (["list"], ["FOLDER"]),
+        (["list", "nowhere"], ["nowhere: no such file or folder"]),
+        (["list", "runs", "--where", "J_1"], ["must be FIELD OPERATOR VALUE"]),
+        (["list", "runs", "--by", "J_1"], ["--by J_1: belongs to --worst"]),
+        (["list", "runs", "--worst", "1", "--sort", "J_1"], ["--sort: --worst sorts by itself"]),
+        (["list", "runs", "--worst", "0"], ["--worst = 0: allowed is 1 to"]),
+        (["show", "nowhere.rrd", "--web"], ["nowhere.rrd"]),
+        (["picture", "a.rrd", "--at", "best"], ["--at best: allowed are worst, strip, or a time"]),
+        (["picture", "a.rrd", "--size", "big"], ["--size big: must be WIDTHxHEIGHT"]),
+        (["picture", "a.rrd", "--size", "10x10"], ["each 320 to 7680"]),
+        (["picture", "a.rrd", "--out", "a.jpg"], ["--out a.jpg: allowed is a .png file"]),
+        (["picture", "a.rrd", "--light", "--painter"], ["--light: is of rerun's viewer"]),
+        (["compare", "a.rrd"], ["needs two recordings or more"]),
+        (["compare", "a.rrd", "b.rrd", "--out", "c.csv"], ["--out c.csv: allowed is a .rrd file"]),
+        (["export", "a.rrd"], ["--format: which? Allowed are csv, parquet, png, mp4"]),
+        (["export", "a.rrd", "--format", "xls"], ["unknown format 'xls'"]),
+        (["export", "a.rrd", "--out", "a.xls"], ["--out a.xls: allowed is a file .csv, .parquet"]),
+        (["export", "a.rrd", "--format", "csv", "--out", "a.png"], ["--format says csv"]),
+        (["export", "a/x.rrd", "b/x.rrd", "--format", "csv", "--out", "all"], ["two of the"]),
+        (["metrics"], ["FILE"]),
+    ],
+)
+def test_refusals_are_one_line_and_leave_nothing(cli, tmp_path, arguments, words):
+    code, out, err = cli("review", *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert all(word in err for word in words), err
+    assert not list(tmp_path.iterdir())
+
+
+def test_list_has_a_row_for_every_file(cli, folder):
+    code, out, err = cli("review", "list", "runs", "--json")
+    assert code == 0, err
+    rows = {row["file"]: row for row in json.loads(out)["runs"]}
+    assert {name: row["state"] for name, row in rows.items()} == {
+        "runs/bad.rrd": "unreadable",
+        "runs/constant_1000001.rrd": "complete",
+        "runs/killed.rrd.partial": "incomplete",
+        "runs/pid_1000001.rrd": "complete",
+        "runs/pid_1000002.rrd": "complete",
+        "runs/turn.rrd": "complete",
+    }
+    assert rows["runs/bad.rrd"]["error"] and rows["runs/turn.rrd"]["metrics"] == {"advance": 3.125}
+    assert rows["runs/pid_1000001.rrd"]["seed"] == 1000001
+    text = cli("review", "list", "runs")[1]
+    assert text.startswith("6 runs, 1 unreadable\n") and "J_steady [deg2]" in text
+    assert rows["runs/bad.rrd"]["error"] in text
+
+
+def test_list_and_show_are_enough_for_the_worst(cli, folder, sailed):
+    code, out, err = cli("review", "list", "runs", "--worst", "1")
+    meta = worst(sailed)
+    name = f"runs/{meta['controller']}_{meta['seed']}.rrd"
+    assert code == 0 and f"next: ship-gym review show {name}" in out, err
+    assert out.startswith("1 of 6 runs")
+
+
+def test_list_filters_and_sorts(cli, folder):
+    arguments = ["--where", "controller==pid", "seed>0", "--sort", "seed", "--reverse", "--json"]
+    rows = json.loads(cli("review", "list", "runs", *arguments)[1])["runs"]
+    assert [row["seed"] for row in rows] == [1000002, 1000001]
+    out = cli("review", "list", "runs", "--where", "ship==kvlcc2")[1]
+    assert out == "0 of 6 runs, 1 unreadable: none meets the conditions\n"
+    code, _, err = cli("review", "list", "runs", "--where", "J1>3")
+    assert code == 2 and "unknown field 'J1'; did you mean 'J_1'" in err
+    code, _, err = cli("review", "list", "runs", "--worst", "1", "--by", "advance")
+    assert code == 2 and "use --sort advance" in err
+    code, _, err = cli("review", "list", "runs", "--metrics", "J1")
+    assert code == 2 and "did you mean 'J_1'" in err
+
+
+def test_list_prints_csv_with_all_digits(cli, folder, sailed):
+    lines = cli("review", "list", "runs", "--csv")[1].splitlines()
+    header, rows = lines[0].split(","), [line.split(",") for line in lines[1:]]
+    found = next(row for row in rows if row[0] == "runs/pid_1000001.rrd")
+    assert float(found[header.index("J_1")]) == sailed[0].meta["metrics"]["J_1"]
+
+
+def test_an_empty_folder_says_what_makes_recordings(cli, tmp_path):
+    (tmp_path / "empty").mkdir()
+    code, _, err = cli("review", "list", "empty")
+    assert code == 2 and "no recordings (.rrd, .rrd.partial); made by: ship-gym record" in err
+
+
+def test_metrics_are_computed_from_the_columns(cli, folder, sailed):
+    for old in ([], ["metrics"]):  # without the verb as in older versions
+        code, out, err = cli("review", *old, "runs/pid_1000001.rrd", "runs/turn.rrd", "--json")
+        assert code == 0, err
+        found = json.loads(out)
+        assert found["runs/pid_1000001.rrd"]["metrics"] == sailed[0].meta["metrics"]
+        assert found["runs/pid_1000001.rrd"]["source"] == "computed"
+        assert found["runs/turn.rrd"]["metrics"] == {"advance": 3.125}
+        assert found["runs/turn.rrd"]["source"] == "stored"
+    assert "incomplete: none" in cli("review", "metrics", "runs/killed.rrd.partial")[1]
+
+
+def test_a_stored_metric_that_the_columns_do_not_give_is_an_error(cli, sailed, tmp_path):
+    stored = sailed[0].meta["metrics"]
+    changed = stored | {"J_1": float(np.nextafter(stored["J_1"], 0.0))}
+    with_meta(sailed[0], metrics=changed).to_rrd(tmp_path / "a.rrd", picture=False)
+    code, out, err = cli("review", "metrics", "a.rrd")
+    assert code == 2 and "J_1" in out and err.count("\n") == 1
+    assert f"such as J_1: stored {changed['J_1']!r}, computed {stored['J_1']!r}" in err
+
+
+@pytest.mark.parametrize("arguments", [["metrics"], ["show", "--web"], ["picture"], ["export"]])
+def test_damaged_files_are_refused(cli, folder, arguments, monkeypatch):
+    monkeypatch.setattr(viewer, "_start", None)  # no viewer sees it
+    more = ["--format", "csv"] if arguments == ["export"] else []
+    before = sorted(path.name for path in folder.iterdir())
+    code, out, err = cli("review", *arguments, "runs/bad.rrd", *more)
+    assert (code, out, err.count("\n")) == (2, "", 1) and "bad.rrd" in err
+    assert sorted(path.name for path in folder.iterdir()) == before
+
+
+def test_without_a_screen_show_says_what_else_there_is(cli, folder, monkeypatch):
+    monkeypatch.setattr(viewer, "has_screen", lambda: False)
+    code, out, err = cli("review", "show", "runs/pid_1000001.rrd")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "ship-gym review show --web runs/pid_1000001.rrd" in err
+    assert "ship-gym review picture runs/pid_1000001.rrd" in err
+
+
+def test_show_opens_at_the_worst_moment_and_draws_journals(cli, folder, sailed, monkeypatch):
+    from ship_gym.recording.marks import worst_moment
+
+    seen = []
+
+    def opened(*paths, moment=None):
+        seen.append((moment, [Trajectory.from_rrd(path).meta["seed"] for path in paths]))
+
+    monkeypatch.setattr(viewer, "has_screen", lambda: True)
+    monkeypatch.setattr(viewer, "show", opened)
+    code, out, err = cli("review", "show", "runs/pid_1000001.rrd")
+    assert code == 0 and "next: close its window" in out, err
+    assert cli("review", "show", "runs/pid_1000001.rrd", "--at", "7.5")[0] == 0
+    assert cli("review", "show", "runs/killed.rrd.partial", "runs/pid_1000002.rrd")[0] == 0
+    moment = worst_moment(sailed[0])
+    assert seen == [(moment, [1000001]), (7.5, [1000001]), (None, [5, 1000002])]
+    code, _, err = cli("review", "show", "runs/pid_1000001.rrd", "--at", "700")
+    assert code == 2 and "--at = 700.0: allowed is 0 to 200 [s]" in err
+
+
+def test_show_web_prints_an_address_of_this_machine(cli, folder, monkeypatch):
+    class Served:
+        address = "http://127.0.0.1:1/?url=x"
+        ended = False
+
+        def wait(self):
+            raise KeyboardInterrupt
+
+        def stop(self):
+            Served.ended = True
+
+    monkeypatch.setattr(viewer, "has_screen", lambda: False)
+    monkeypatch.setattr(viewer, "serve_web", lambda *paths: Served())
+    code, out, err = cli("review", "show", "--web", "runs/pid_1000001.rrd", "--json")
+    assert (code, err) == (0, "") and Served.ended
+    assert json.loads(out)["address"] == Served.address
+
+
+def test_export_writes_tables_and_plots(cli, folder, sailed, tmp_path):
+    code, out, err = cli("review", "export", "runs/pid_1000001.rrd", "--out", "a.csv")
+    assert code == 0 and out == "wrote a.csv\n", err
+    sailed[0].to_csv("b.csv")
+    assert sha256("a.csv") == sha256("b.csv")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    files = ["runs/pid_1000001.rrd", "runs/killed.rrd.partial"]
+    code, out, err = cli("review", "export", *files, "--format", "parquet", "--out", "t", "--json")
+    assert code == 0, err
+    assert json.loads(out)["files"] == ["t/pid_1000001.parquet", "t/killed.parquet"]
+    table = parquet.read_table("t/pid_1000001.parquet")
+    assert table.column_names == sailed[0].names
+    for name in sailed[0].names:
+        assert table[name].to_numpy().tobytes() == sailed[0][name].tobytes()
+    assert json.loads(table.schema.metadata[b"ship_gym"]) == sailed[0].meta
+    pytest.importorskip("matplotlib")
+    code, _, err = cli("review", "export", "runs/pid_1000001.rrd", "--format", "png")
+    assert code == 0 and (folder / "pid_1000001.png").stat().st_size > 20_000, err
