@@ -85,7 +85,8 @@ class EpisodeRecording:
         for i in left:
             if self._log.lengths[self._runs[i].place] == 0:
                 self._forget(i)
-        self._finish([i for i in left if i in self._runs], cut_short=True)
+        if left := [i for i in left if i in self._runs]:
+            self._finish(left, cut_short=True)
 
     def begin(self, which: np.ndarray, given: Mapping[str, np.ndarray]) -> None:
         """See ``Watcher``."""
@@ -105,12 +106,13 @@ class EpisodeRecording:
         if not self._runs:
             return
         self._log.after()
-        over = self._batch.terminated | self._batch.truncated
-        self._finish([i for i in self._runs if over[i]])
-        self._each([i for i, run in self._runs.items() if run.stream], self._follow)
-
-    def _follow(self, i: int) -> None:
-        self._runs[i].stream.follow()
+        terminated, truncated = self._batch.terminated, self._batch.truncated
+        ended = [i for i in self._runs if terminated[i] or truncated[i]]
+        if ended:
+            self._finish(ended)
+        due = [i for i, run in self._runs.items() if run.stream and run.stream.is_due()]
+        if due:
+            self._each(due, lambda i: self._runs[i].stream.follow())
 
     def close(self) -> None:
         """Record no more; an episode that has not ended keeps its journal, if it is streamed."""
@@ -179,8 +181,6 @@ class EpisodeRecording:
 
     def _finish(self, ended: list[int], cut_short: bool = False) -> None:
         """Write what is kept of the episodes that are over, from the batch as it is now."""
-        if not ended:
-            return
         self._log.end(np.array([self._runs[i].place for i in ended]))
 
         def write(i: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -13,7 +14,7 @@ from ship_gym.envs.episode_record import Conditions
 from ship_gym.recording.recorder import Recorder
 from ship_gym.recording.trajectory import Trajectory
 
-_ROWS = 16  # handed over together: less work than one by one
+_ROWS, _SECONDS = 16, 10.0  # a chunk: rows of so much full-scale time, but at least so many
 
 
 def about_run(
@@ -24,7 +25,7 @@ def about_run(
 
 
 class Streamed:
-    """Rows of one place of a log, handed to a ``Recorder`` some at a time.
+    """Rows of one place of a log, handed to a ``Recorder`` a chunk at a time.
 
     Parameters
     ----------
@@ -55,28 +56,33 @@ class Streamed:
         picture: bool = True,
     ):
         self._log, self._place, self._conditions, self._about = log, place, conditions, about
-        self._sent = 0
+        self._sent = self._waiting = 0
+        interval = conditions.setting.scenario.control_interval
+        self._chunk = max(_ROWS, math.ceil(_SECONDS / interval))
         names = list(conditions.columns(log.part(place, 0, 1)))
         meta = conditions.meta() | dict(about) | {"complete": False}
-        self._recorder = Recorder(path, meta, names, picture=picture)
+        self._recorder = Recorder(path, meta, names, chunk=self._chunk, picture=picture)
 
     @property
     def path(self) -> os.PathLike:
         """The file."""
         return self._recorder.path
 
-    def follow(self, least: int = _ROWS) -> None:
-        """Hand over the rows that are new, if there are so many."""
-        now = int(self._log.lengths[self._place])
-        if now - self._sent >= least:
-            self._hand_over(now)
+    def is_due(self) -> bool:
+        """Count an interval that was sailed; whether there are rows enough for `follow`."""
+        self._waiting += 1
+        return self._waiting >= self._chunk
+
+    def follow(self) -> None:
+        """Hand over the rows that are new."""
+        self._hand_over(int(self._log.lengths[self._place]))
 
     def _hand_over(self, stop: int) -> None:
         """Hand over the rows up to `stop`; those that cannot be written are not tried again."""
-        rows = self._log.part(self._place, self._sent, stop)
-        self._sent = stop
-        columns = self._conditions.columns(rows)
-        self._recorder.add(np.column_stack(list(columns.values())))
+        first, self._sent, self._waiting = self._sent, stop, 0
+        if stop > first:
+            columns = self._conditions.columns(self._log.part(self._place, first, stop))
+            self._recorder.add(np.array(list(columns.values())).T)
 
     def finish(self, outcome: int) -> None:
         """Write the file of the episode, whose last row the log has (`EpisodeLog.end`)."""
@@ -94,5 +100,5 @@ class Streamed:
         if self._log.lengths[self._place] == 0:
             self._recorder.discard()
         else:
-            self.follow(1)
+            self.follow()
             self._recorder.keep()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from typing import TYPE_CHECKING
 
@@ -106,7 +107,7 @@ class Screen:
             wind=(float(sea["wind_north"]), float(sea["wind_east"])),
             wave_height=float(task["wave_height"]),
             wave_period=float(task["wave_period"]),
-            wave_direction_to=float(task["wave_to"]),
+            wave_direction_to=float(task["wave_to"] % (2.0 * math.pi)),
             wave_yaw=float(e.sim.waves[i, WAVE_YAW]),
             wave_roll=float(e.sim.waves[i, WAVE_ROLL]),
             reward=float(e.rewards[i]),

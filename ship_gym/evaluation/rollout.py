@@ -291,7 +291,8 @@ def _sail(
         for i in [i for i in streams if new[i]]:
             streams.pop(i).finish(int(outcomes[i]))
         for stream in streams.values():
-            stream.follow()
+            if stream.is_due():
+                stream.follow()
         if ended.all():
             break
     return outcomes

@@ -9,7 +9,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
+from ship_gym.recording.library import stored_metrics
 from ship_gym.recording.marks import bearing, marks, seconds, time_unit
+from ship_gym.recording.surroundings import Surroundings, surroundings
 from ship_gym.recording.task_error import section
 from ship_gym.recording.turns import is_manoeuvre
 from ship_gym.text import table
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from ship_gym.recording.trajectory import Trajectory
 
 _HASH, _COMMIT = 12, 10  # digits that are shown
+_SHIPPED = "pretrained"  # folder of the policies that come with the package
 # Orders of a manoeuvre: key of its config, name, size and unit for people
 _ORDERS = (
     ("delta", "rudder", math.degrees(1.0), "deg"),
@@ -78,12 +81,12 @@ def title(meta: Mapping) -> str:
 
 def facts(trajectory: Trajectory) -> Iterator[list[str]]:
     """Rows of name and text: ship, sea, task, controller, seed, time."""
-    meta = trajectory.meta
+    meta, around = trajectory.meta, surroundings(trajectory)
     rows = {
         "Ship": _ship(meta),
-        "Waves": _waves(meta),
-        "Wind": _wind(trajectory),
-        "Current": _current(trajectory),
+        "Waves": _waves(around),
+        "Wind": _wind(around),
+        "Current": _current(around),
         "Task": _task(meta),
         "Changed": ", ".join(_flat(section(meta, "overrides"))),
         "Controller": _controller(meta),
@@ -96,8 +99,8 @@ def facts(trajectory: Trajectory) -> Iterator[list[str]]:
 def metric_rows(meta: Mapping) -> Iterator[list[str]]:
     """Rows of name, value and unit of the metrics in a meta."""
     units = section(meta, "units")
-    for name, value in section(meta, "metrics").items():
-        yield [str(name), number(value), str(units.get(name, ""))]
+    for name, value in stored_metrics(meta).items():
+        yield [name, number(value), str(units.get(name, ""))]
 
 
 def number(value: Any) -> str:
@@ -136,52 +139,24 @@ def _recorded(trajectory: Trajectory) -> str:
     return f"{seconds(time)}{full}, {len(trajectory)} rows"
 
 
-def _waves(meta: Mapping) -> str:
-    sea, made = section(meta, "sea"), section(meta, "config", "sea")
-    if "wave_height" not in sea and (made.get("regular") or made.get("waves")):
-        come = bearing(made.get("wave_direction_to", 0.0) + math.pi)
-        return f"{_systems(made)}, from {come}"
-    if not sea.get("wave_height"):
-        return "none" if sea else ""
-    text = f"H {sea['wave_height']:.3g} m, T {sea.get('wave_period', 0.0):.3g} s"
-    come = _from(sea, "wave")
-    return text if come is None else f"{text}, from {come}"
+def _waves(around: Surroundings) -> str:
+    if not around.wave_height:
+        return "" if around.wave_height is None else "none"
+    text = f"{'regular, ' if around.regular else ''}H {around.wave_height:.3g} m"
+    text += "" if around.wave_period is None else f", T {around.wave_period:.3g} s"
+    return f"{text}, from {bearing(around.wave_direction_to + math.pi)}"
 
 
-def _systems(sea: Mapping[str, Any]) -> str:
-    """Height and period of the waves of a manoeuvre: a regular one, or systems of an irregular sea.
-
-    Energies of systems add up; the period is that of the highest.
-    """
-    if regular := sea.get("regular"):
-        height, period = 2.0 * regular["amplitude"], 2.0 * math.pi / regular["omega"]
-        return f"regular, H {height:.3g} m, T {period:.3g} s"
-    height = math.hypot(*(system["height"] for system in sea["waves"]))
-    highest = max(sea["waves"], key=lambda system: system["height"])
-    return f"H {height:.3g} m, T {highest['peak_period']:.3g} s"
+def _wind(around: Surroundings) -> str:
+    if not around.wind_speed:
+        return "" if around.wind_speed is None else "none"
+    return f"{around.wind_speed:.3g} m/s from {bearing(around.wind_direction_from)}"
 
 
-def _wind(trajectory: Trajectory) -> str:
-    sea = section(trajectory.meta, "sea")
-    speed, come = sea.get("wind_speed"), _from(sea, "wind")
-    if speed is None and "wind_speed" in trajectory:
-        speed, come = trajectory["wind_speed"][0], bearing(trajectory["wind_direction_from"][0])
-    return "" if speed is None else "none" if not speed else f"{speed:.3g} m/s from {come}"
-
-
-def _current(trajectory: Trajectory) -> str:
-    if "current_speed" not in trajectory:
-        return ""
-    speed, to = trajectory["current_speed"][0], trajectory["current_direction_to"][0]
-    return f"{speed:.3g} m/s to {bearing(to)}" if speed else "none"
-
-
-def _from(sea: Mapping[str, Any], what: str) -> str | None:
-    """Where waves or wind come from."""
-    if f"{what}_from_deg" in sea:
-        return bearing(math.radians(sea[f"{what}_from_deg"]))
-    to = sea.get(f"{what}_direction_to")
-    return None if to is None else bearing(to + math.pi)
+def _current(around: Surroundings) -> str:
+    if not around.current_speed:
+        return "" if around.current_speed is None else "none"
+    return f"{around.current_speed:.3g} m/s to {bearing(around.current_direction_to)}"
 
 
 def _task(meta: Mapping) -> str:
@@ -196,12 +171,15 @@ def _task(meta: Mapping) -> str:
 
 
 def _controller(meta: Mapping) -> str:
+    """Name, and of a policy its file, whole only where that is short, with the hash."""
     policy, name = section(meta, "policy"), str(meta.get("controller") or "")
     if not policy.get("file"):
         return name
     digits = str(policy.get("sha256") or "")[:_HASH]
-    file = f"{policy['file']}" + (f", sha256 {digits}" if digits else "")
-    return file if name in ("", policy["file"]) else f"{name}: {file}"
+    path = PurePath(policy["file"])
+    file = ".../" + "/".join(path.parts[-2:]) if path.is_absolute() else str(path)
+    text = file + (f", sha256 {digits}" if digits else "")
+    return f"{name}: {text}" if name else text
 
 
 def _flat(values: Mapping[str, Any], before: str = "") -> Iterator[str]:
@@ -228,17 +206,28 @@ def again(meta: Mapping) -> str:
     """The command that records an episode again, "" where the meta does not have all it needs."""
     if isinstance(meta.get("command"), str):
         return meta["command"]
-    config = section(meta, "config")
-    steered = section(meta, "policy").get("file") or meta.get("controller")
-    needed = (meta.get("scenario"), steered, meta.get("seed"), config.get("task"))
-    if any(part in (None, "") for part in needed):
+    config, steered = section(meta, "config"), _steered(meta)
+    if any(part in (None, "") for part in (meta.get("scenario"), steered, meta.get("seed"))):
+        return ""
+    if not {"task", "ship", "control"} <= config.keys():
         return ""
     overrides = section(meta, "overrides")
     changed = [*_flat({k: v for k, v in overrides.items() if k not in ("ship", "control")})]
-    words = ["ship-gym", "record", "--controller", str(steered), "--scenario", meta["scenario"]]
+    words = ["ship-gym", "record", "--controller", steered, "--scenario", str(meta["scenario"])]
     words += ["--ship", str(config["ship"]), "--control", str(config["control"])]
     words += ["--seed", str(meta["seed"]), *(["--set", *changed] if changed else [])]
     return shlex.join(words)
+
+
+def _steered(meta: Mapping) -> str:
+    """How ``--controller`` calls who steered: by name if it comes with the package, else by file.
+
+    "" for a program of one's own, whose class is not known.
+    """
+    file, name = section(meta, "policy").get("file"), str(meta.get("controller") or "")
+    if not file or PurePath(file).parent.name == _SHIPPED:
+        return name
+    return "" if PurePath(file).suffix == ".py" else str(file)
 
 
 def _origin(meta: Mapping) -> str:

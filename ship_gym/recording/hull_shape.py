@@ -14,9 +14,11 @@ FREEBOARD = 0.65  # height of the deck above the waterline, amidships [d]
 BOW_SHEER = 0.35  # extra height of the deck at the bow [freeboard]
 _RAKE = 0.06  # how far the keel stays behind the deck at the stem [L]
 _COUNTER = 0.12  # depth of the bottom over rudder and propeller [d]
-_STATIONS = 48
-_BILGE_POINTS = 12  # from the keel to the waterline
-_SIDE_POINTS = 4  # from the waterline to the deck edge
+_STATIONS = 48  # of the outline
+_MESH_STATIONS = 18  # of the solid, which every recording holds
+_BILGE_POINTS = 6  # from the keel to the waterline
+_SIDE_POINTS = 2  # from the waterline to the deck edge
+_SHARP = -0.7  # part of a normal that faces aft on a transom, up on a deck
 
 
 def hull_mesh(L: float, B: float, d: float) -> tuple[np.ndarray, np.ndarray]:
@@ -36,7 +38,7 @@ def hull_mesh(L: float, B: float, d: float) -> tuple[np.ndarray, np.ndarray]:
         Vertex indices; each edge belongs to two triangles, and the surface mirrors in y = 0.
     """
     _check_size(L=L, B=B, d=d)
-    sections = _starboard_sections(L, B, d)
+    sections = _starboard_sections(L, B, d, _MESH_STATIONS)
     half = np.concatenate([_skin(sections), _transom(sections[0])])
     port = half[:, ::-1] * np.array([1.0, -1.0, 1.0])  # reversed winding keeps normals outward
     return _weld(np.concatenate([half, port]))
@@ -69,7 +71,7 @@ def superstructure_mesh(L: float, B: float, d: float) -> tuple[np.ndarray, np.nd
 def deck_outline(L: float, B: float, d: float) -> np.ndarray:
     """Edge of the deck seen from above, closed, shape (P, 2): x and y in body axes [m]."""
     _check_size(L=L, B=B, d=d)
-    starboard = _starboard_sections(L, B, d)[:, -2, :2]
+    starboard = _starboard_sections(L, B, d, _STATIONS)[:, -2, :2]
     port = starboard[::-1] * np.array([1.0, -1.0])
     return np.concatenate([starboard, port, starboard[:1]])
 
@@ -114,9 +116,39 @@ def flat_shaded(
     return corners.reshape(-1, 3), order, np.repeat(normals, 3, axis=0)
 
 
-def _starboard_sections(L: float, B: float, d: float) -> np.ndarray:
+def smooth_shaded(
+    corners: np.ndarray, normals: np.ndarray, paint: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Share corners between triangles of one paint that make one surface, to look round.
+
+    Parameters
+    ----------
+    corners, normals : numpy.ndarray, shape (N, 3)
+        Of `flat_shaded`.
+    paint : numpy.ndarray of uint8, shape (N, 3)
+        Colour of each corner.
+
+    Returns
+    -------
+    vertices : numpy.ndarray, shape (V, 3)
+        Points [m], V < N.
+    triangles : numpy.ndarray, shape (N / 3, 3)
+        Vertex indices.
+    normals, paint : numpy.ndarray, shape (V, 3)
+        Unit normals, means of the triangles that meet, and colours.
+    """
+    surface = 2.0 * (normals[:, :1] < _SHARP) + (normals[:, 2:] < _SHARP)
+    key = np.round(np.concatenate([corners, paint, surface], axis=1), 9)
+    _, first, index = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    index = index.reshape(-1)
+    mean = np.stack([np.bincount(index, normals[:, k]) for k in range(3)], axis=1)
+    mean /= np.linalg.norm(mean, axis=1, keepdims=True)
+    return corners[first], index.reshape(-1, 3), mean, paint[first]
+
+
+def _starboard_sections(L: float, B: float, d: float, count: int) -> np.ndarray:
     """Points of the starboard half, shape (stations, points, 3): keel, bilge, side, deck centre."""
-    s = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, _STATIONS))  # denser at the ends; 0 is the stern
+    s = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, count))  # denser at the ends; 0 is the stern
     keel = d * (1.0 - (1.0 - _COUNTER) * smoothstep((0.15 - s) / 0.10))
     deck = -FREEBOARD * d * (1.0 + BOW_SHEER * smoothstep((s - 0.75) / 0.25))
     ahead = np.clip((s - 0.68) / (1.0 - 0.68), 0.0, 1.0)  # exactly 1 at the stem: a sharp edge
@@ -131,7 +163,7 @@ def _starboard_sections(L: float, B: float, d: float) -> np.ndarray:
     up = np.linspace(0.0, 1.0, _SIDE_POINTS + 1)[1:]
     side_y = waterline[:, None] + (deck_edge - waterline)[:, None] * up
     side_z = deck[:, None] * up
-    y = np.concatenate([bilge_y, side_y, np.zeros((_STATIONS, 1))], axis=1)
+    y = np.concatenate([bilge_y, side_y, np.zeros((count, 1))], axis=1)
     z = np.concatenate([bilge_z, side_z, deck[:, None]], axis=1)
     rake = _RAKE * L * smoothstep((s - 0.75) / 0.25)[:, None] * (z - deck[-1]) / (d - deck[-1])
     return np.stack([np.broadcast_to((s[:, None] - 0.5) * L, z.shape) - rake, y, z], axis=-1)

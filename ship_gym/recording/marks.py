@@ -11,6 +11,7 @@ import numpy as np
 from ship_gym.conventions import wrap_angle
 from ship_gym.physics._kernel import in_python
 from ship_gym.physics.propeller import shaft_power
+from ship_gym.recording.surroundings import speed_through_water
 from ship_gym.recording.task_error import DEGREE, section, steps, task_error, worst_row
 from ship_gym.recording.turns import is_manoeuvre, turn_marks
 
@@ -55,6 +56,7 @@ def marks(trajectory: Trajectory) -> list[Mark]:
         *_limits(trajectory),
         *_failure(trajectory),
         *_legs(trajectory),
+        *_fastest_turn(trajectory),
         *(Mark(time, "leg", text) for time, text in turn_marks(trajectory)),
         _end(trajectory),
     ]
@@ -73,9 +75,7 @@ def worst_moment(trajectory: Trajectory) -> float:
     error = task_error(trajectory)
     if error is not None:
         return float(t[worst_row(trajectory, error)])
-    if "r" in trajectory:
-        return float(t[np.argmax(np.abs(trajectory["r"]))])
-    return float(t[-1])
+    return next((mark.time for mark in _fastest_turn(trajectory)), float(t[-1]))
 
 
 def time_unit(meta: Mapping) -> float:
@@ -106,6 +106,18 @@ def _errors(trajectory: Trajectory) -> Iterator[Mark]:
         yield Mark(float(t[0]), "error", f"{error.label} at the start {error.text(0)}")
     aside = ", that of the start aside" if at_start else ""
     yield Mark(float(t[worst]), "error", f"largest {error.label} {error.text(worst)}{aside}")
+
+
+def _fastest_turn(trajectory: Trajectory) -> Iterator[Mark]:
+    """The fastest turn of a run without an error to judge it by."""
+    if "r" not in trajectory or task_error(trajectory) is not None:
+        return
+    row = int(np.argmax(np.abs(trajectory["r"])))
+    rate = math.degrees(trajectory["r"][row])
+    if rate != 0.0:
+        side = "starboard" if rate > 0.0 else "port"
+        text = f"fastest turn, {abs(rate):.2g}{DEGREE}/s to {side}"
+        yield Mark(float(trajectory["t"][row]), "leg", text)
 
 
 def _saturation(trajectory: Trajectory) -> Iterator[Mark]:
@@ -141,7 +153,7 @@ def _beyond(trajectory: Trajectory) -> Iterator[tuple[str, np.ndarray]]:
     if corridor is not None and "off_route" in columns:
         yield f"outside the corridor of {corridor:.3g} m", np.abs(columns["off_route"]) > corridor
     if {"u", "v", "psi"} <= columns.keys() and ship.get("speed"):
-        slow = _speed(columns) < _SLOW * ship["speed"]
+        slow = speed_through_water(columns) < _SLOW * ship["speed"]
         yield "slower through the water than half the nominal speed", slow
     if "n" in columns and ship.get("n_max"):
         yield "propeller at its largest speed", np.abs(columns["n"]) >= AT_LIMIT * ship["n_max"]
@@ -240,10 +252,3 @@ def _end(trajectory: Trajectory) -> Mark:
     else:
         text = f"{outcome}: the episode has failed" if meta.get("failed") else str(outcome)
     return Mark(time, "end", text)
-
-
-def _speed(columns: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Speed through the water [m/s], shape (T,); over ground where no current is recorded."""
-    flow = columns.get("current_speed", 0.0)
-    angle = columns.get("current_direction_to", 0.0) - columns["psi"]
-    return np.hypot(columns["u"] - flow * np.cos(angle), columns["v"] - flow * np.sin(angle))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,30 +12,45 @@ from ship_gym.conventions import FORCE_AXES, FORCES, UNITS, wrap_angle
 
 Columns = Mapping[str, np.ndarray]
 
-_BLUE, _ORANGE, _GREEN, _RED = (76, 155, 232), (240, 160, 60), (100, 190, 110), (224, 90, 90)
-_GREY = (200, 200, 200)
-_PALETTE = (_BLUE, _GREEN, _ORANGE, _RED, (170, 130, 220), (90, 200, 200), (220, 130, 180), _GREY)
-_SIDES = (_GREEN, _RED)  # starboard and port, as their lights
+# Readable on black and on white: the viewer has a dark and a light theme.
+BLUE, ORANGE, GREEN, RED = (40, 130, 220), (214, 112, 16), (46, 150, 76), (218, 66, 66)
+GREY, PURPLE, TEAL, PINK = (128, 128, 128), (150, 96, 214), (16, 146, 152), (206, 76, 150)
+_PALETTE = (BLUE, ORANGE, GREEN, PURPLE, TEAL, PINK, RED, GREY)
+_SIDES = (GREEN, RED)  # starboard and port, as their lights
 _SHARES = {"X": "surge", "Y": "sway", "N": "yaw"}
 _PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))
+_DEG = 180.0 / np.pi
+# Topics: each is a tab of the viewer; the first holds what is seen at once.
+STEERING, COURSE, FORCE, LOADS, FLOW = "Steering", "Course", "Forces", "Loads", "Flow"
 
 
 @dataclass(frozen=True)
 class Series:
-    """One line of a plot: legend text, values of shape (T,) in the panel's unit, RGB colour."""
+    """One line of a plot: legend text, values of shape (T,) in the panel's unit, RGB colour.
+
+    A `limit` need not be on the axis as long as the other lines are far from it.
+    """
 
     label: str
     values: np.ndarray
     color: tuple[int, int, int]
+    limit: bool = False
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One plot: the entity path of its data, a title with the unit, and its lines."""
+    """One plot: the path of its data, a title with the unit, its lines, and its tab."""
 
     path: str
     title: str
     series: list[Series]
+    topic: str = COURSE
+    robust: bool = False  # the axis leaves out the largest tenth of the rows
+
+    @property
+    def name(self) -> str:
+        """Last part of the path."""
+        return self.path.rpartition("/")[2]
 
 
 def plots_meta(plots: Sequence[tuple[str, str, Sequence[str]]]) -> dict[str, list]:
@@ -45,34 +60,35 @@ def plots_meta(plots: Sequence[tuple[str, str, Sequence[str]]]) -> dict[str, lis
 
 
 def steering_panels(columns: Columns, meta: Mapping[str, Any] | None = None) -> list[Panel]:
-    """Heading, heading error, rudder, propeller speed, and what the meta says of the task's own.
+    """What is seen at once: what the task is judged by, rudder, speed with propeller, reward.
+
+    The first is the first plot of the task's own, else the heading.
 
     Parameters
     ----------
     columns : mapping of str to numpy.ndarray
         Columns of a trajectory, shape (T,), SI units, angles in rad.
     meta : mapping, optional
-        Of the trajectory; ``plots`` of it, see `plots_meta`.
+        Of the trajectory: ``plots`` (see `plots_meta`), ``limits`` and ``ship``.
 
     Returns
     -------
     list of Panel
         Only the panels that have at least one of their columns.
     """
-    return _filled(
-        Panel("plots/heading", "Heading [deg]", _heading(columns)),
-        Panel("plots/heading_error", "Heading error [deg]", _heading_error(columns)),
-        _pair(columns, "plots/rudder", "Rudder [deg]", "delta", 180.0 / np.pi),
-        _pair(columns, "plots/rpm", "Propeller [rpm]", "n", 60.0),
-        *(
-            Panel(f"plots/{name}", title, _plain(columns, *names))
-            for name, title, names in (meta or {}).get("plots", ())
-        ),
-    )
+    meta = meta or {}
+    own = _own_panels(columns, meta)
+    first = own or [_heading_panel(columns, meta)]
+    rest = (_rudder_panel(columns, meta), _speed_panel(columns), _reward_panel(columns))
+    return [replace(panel, topic=STEERING) for panel in _filled(*first, *rest)]
 
 
-def motion_panels(columns: Columns, largest: Mapping[str, float] | None = None) -> list[Panel]:
-    """Speeds, yaw rate, wave motion, forces, two propellers, reward terms; see `steering_panels`.
+def motion_panels(
+    columns: Columns,
+    largest: Mapping[str, float] | None = None,
+    meta: Mapping[str, Any] | None = None,
+) -> list[Panel]:
+    """The other plots, by topic: course, forces, loads of each unit, flow; see `steering_panels`.
 
     Parameters
     ----------
@@ -81,17 +97,21 @@ def motion_panels(columns: Columns, largest: Mapping[str, float] | None = None) 
     largest : mapping of str to float, optional
         Force X, Y [N] and moment N [N m] that set the units, for a run that is not over; else the
         largest ones of the run do.
+    meta : mapping, optional
+        As for `steering_panels`.
     """
+    meta = meta or {}
+    own = _own_panels(columns, meta)
     return _filled(
-        Panel("plots/speed", "Speed over ground, u ahead, v to starboard [m/s]",
-              _plain(columns, "u", "v")),
-        Panel("plots/yaw_rate", "Yaw rate [deg/s]", _yaw_rate(columns)),
-        Panel("plots/wave_motion", "Wave-frequency motion [deg]", _wave_motion(columns)),
+        *([_heading_panel(columns, meta)] if own else []),
+        Panel("plots/heading_error", "Heading error [deg]", _heading_error(columns)),
+        Panel("plots/yaw_rate", "Rate of turn [deg/s]", _yaw_rate(columns)),
+        Panel("plots/wave_motion", "Motion in waves [deg]", _wave_motion(columns)),
         *(_forces(columns, axis, largest) for axis in FORCE_AXES),
         _units(columns, "thrust", "Thrust of each propeller", largest),
         _units(columns, "rudder_normal_force", "Normal force of each rudder", largest),
-        Panel("plots/reward", "Reward and its terms [-]", _plain(columns, *_rewards(columns))),
-    )  # fmt: skip
+        *_flow_panels(columns, meta),
+    )
 
 
 def heading_error(columns: Columns) -> np.ndarray | None:
@@ -103,18 +123,33 @@ def heading_error(columns: Columns) -> np.ndarray | None:
     return None
 
 
-def _heading(columns: Columns) -> list[Series]:
-    """Draw the heading without jumps at 360 deg, and the order on the same branch."""
-    found = []
+def unwrapped(psi: np.ndarray) -> np.ndarray:
+    """Heading [rad] without jumps, from 0 to 360 deg where it begins, and throughout if it can."""
+    found = np.unwrap(psi)
+    return found - 2.0 * np.pi * np.floor(found[0] / (2.0 * np.pi))
+
+
+def _heading_panel(columns: Columns, meta: Mapping[str, Any]) -> Panel:
+    """Heading, order with its limits and what is measured, on one branch."""
+    found: list[Series] = []
     if "psi" in columns:
-        psi = np.unwrap(columns["psi"])
-        if _in_waves(columns, "wave_yaw"):
-            found.append(Series("with waves", np.degrees(psi + columns["wave_yaw"]), _GREY))
-        found.append(Series("heading", np.degrees(psi), _BLUE))
+        psi = unwrapped(columns["psi"])
+        if "psi_measured" in columns:
+            seen = psi + wrap_angle(columns["psi_measured"] - columns["psi"])
+            found.append(Series("measured", _DEG * seen, GREY))
+        elif _in_waves(columns, "wave_yaw"):
+            found.append(Series("in waves", _DEG * (psi + columns["wave_yaw"]), GREY))
+        found.append(Series("true", _DEG * psi, BLUE))
         if "psi_ordered" in columns:
             ordered = psi - wrap_angle(columns["psi"] - columns["psi_ordered"])
-            found.append(Series("ordered", np.degrees(ordered), _ORANGE))
-    return found
+            found.append(Series("ordered", _DEG * ordered, ORANGE))
+            end = _limit(meta, "heading_error_deg")
+            if end is not None:
+                sides = (1.0, -1.0)
+                found += [Series("limit", _DEG * ordered + k * end, RED, True) for k in sides]
+    beyond = any(np.any((s.values < 0.0) | (s.values >= 360.0)) for s in found if not s.limit)
+    title = "Heading [deg true]" + (", beyond 000-360 where it would jump" if beyond else "")
+    return Panel("plots/heading", title, found)
 
 
 def _in_waves(columns: Columns, name: str) -> bool:
@@ -122,20 +157,115 @@ def _in_waves(columns: Columns, name: str) -> bool:
     return name in columns and bool(np.any(columns[name]))
 
 
+def _own_panels(columns: Columns, meta: Mapping[str, Any]) -> list[Panel]:
+    """Plots of the task's own, the error with its limits."""
+    found = _filled(
+        *(
+            Panel(f"plots/{name}", title, _plain(columns, *names))
+            for name, title, names in meta.get("plots", ())
+        )
+    )
+    bounds = [(_limit(meta, "corridor"), "corridor"), (_limit(meta, "cross_track"), "limit")]
+    aside = [line for end, name in bounds if end for line in _both(end, name, columns)]
+    return [
+        replace(panel, series=panel.series + aside) if panel.path == "plots/off_route" else panel
+        for panel in found
+    ]
+
+
+def _limit(meta: Mapping[str, Any], name: str) -> float | None:
+    limits = meta.get("limits")
+    value = limits.get(name) if isinstance(limits, Mapping) else None
+    return float(value) if isinstance(value, int | float) else None
+
+
+def _both(limit: float, label: str, columns: Columns) -> list[Series]:
+    """Lines at a limit on both sides."""
+    whole = np.ones(len(columns["t"]))
+    return [Series(label, side * limit * whole, RED, True) for side in (1.0, -1.0)]
+
+
+def _rudder_panel(columns: Columns, meta: Mapping[str, Any]) -> Panel:
+    found = _pair(columns, "delta", _DEG)
+    ship = meta.get("ship")
+    limit = _limit(meta, "rudder_deg")
+    if limit is None and isinstance(ship, Mapping) and ship.get("delta_max"):
+        limit = _DEG * float(ship["delta_max"])
+    if found and limit is not None and "t" in columns:
+        found += _both(limit, "limit", columns)
+    return Panel("plots/rudder", "Rudder [deg], + turns to starboard", found)
+
+
+def _speed_panel(columns: Columns) -> Panel:
+    """Speeds and, on the same axis in tens or hundreds of rpm, the propeller."""
+    found: list[Series] = []
+    if {"u", "v"} <= columns.keys():
+        ground = np.hypot(columns["u"], columns["v"])
+        water = _through_water(columns)
+        if water is not None:
+            found.append(Series("over ground", ground, GREY))
+        found.append(Series("through water", ground if water is None else water, BLUE))
+    unit = 1.0
+    if "n" in columns:
+        rpm = [60.0 * columns[name] for name in ("n_command", "n") if name in columns]
+        unit = 10.0 ** max(0.0, np.floor(np.log10(max(float(np.abs(rpm[-1]).max()), 1.0))))
+        names = (("rpm ordered", ORANGE), ("rpm", GREEN))[-len(rpm) :]
+        per = f" / {unit:g}" if unit > 1.0 else ""
+        found += [
+            Series(label.replace("rpm", f"rpm{per}"), values / unit, color)
+            for values, (label, color) in zip(rpm, names, strict=True)
+        ]
+    return Panel("plots/speed", "Speed [m/s] and propeller", found)
+
+
+def _through_water(columns: Columns) -> np.ndarray | None:
+    """Speed through the water [m/s]; None where it is that over ground."""
+    names = {"psi", "current_speed", "current_direction_to"}
+    if not names <= columns.keys() or not np.any(columns["current_speed"]):
+        return None
+    angle = columns["current_direction_to"] - columns["psi"]
+    flow = columns["current_speed"]
+    return np.hypot(columns["u"] - flow * np.cos(angle), columns["v"] - flow * np.sin(angle))
+
+
+def _reward_panel(columns: Columns) -> Panel:
+    """Reward and its terms, without what ends an episode once and would flatten all else."""
+    end = columns.get("reward_termination")
+    names = [k for k in columns if k.startswith("reward_") and k != "reward_termination"]
+    found = [
+        Series(name.removeprefix("reward_").replace("_", " "), _held(columns[name]), color)
+        for name, color in zip(names, _PALETTE * 9, strict=False)
+    ]
+    title = "Reward of an interval, by terms (axis without the largest tenth)"
+    if "reward" in columns:
+        whole = columns["reward"] if end is None else columns["reward"] - end
+        found.append(Series("all" if names else "reward", _held(whole), GREY))
+    if end is not None and np.any(end):
+        title += f"; {end.sum():g} for the end is left out"
+    return Panel("plots/reward", title, found, robust=True)
+
+
+def _held(values: np.ndarray) -> np.ndarray:
+    """Values of intervals, the last one held to its end; the last row of a recording has none."""
+    return np.append(values[:-1], values[-2]) if len(values) > 1 else values
+
+
 def _yaw_rate(columns: Columns) -> list[Series]:
     """Draw the yaw rate over what a sensor in the waves measures."""
-    found = _plain(columns, "r", scale=180.0 / np.pi)
-    if found and _in_waves(columns, "wave_yaw_rate"):
-        seen = np.degrees(columns["r"] + columns["wave_yaw_rate"])
-        found = [Series("with waves", seen, _GREY), *found]
+    if "r" not in columns:
+        return []
+    found = [Series("low-frequency", _DEG * columns["r"], BLUE)]
+    if _in_waves(columns, "wave_yaw_rate"):
+        seen = _DEG * (columns["r"] + columns["wave_yaw_rate"])
+        found = [Series("in waves", seen, GREY), *found]
     return found
 
 
 def _wave_motion(columns: Columns) -> list[Series]:
     """Draw roll and yaw of wave frequency; nothing in calm water."""
-    names = (("wave_roll", "roll", _GREEN), ("wave_yaw", "yaw", _BLUE))
+    names = (("wave_roll", "roll", GREEN), ("wave_yaw", "yaw", BLUE))
     return [
-        Series(label, np.degrees(columns[name]), color)
+        Series(label, _DEG * columns[name], color)
         for name, label, color in names
         if _in_waves(columns, name)
     ]
@@ -143,36 +273,53 @@ def _wave_motion(columns: Columns) -> list[Series]:
 
 def _heading_error(columns: Columns) -> list[Series]:
     error = heading_error(columns)
-    return [] if error is None else [Series("error", np.degrees(error), _RED)]
+    return [] if error is None else [Series("error", _DEG * error, RED)]
 
 
-def _pair(columns: Columns, path: str, title: str, name: str, scale: float) -> Panel:
-    """Draw an achieved value over the commanded one."""
-    pair = ((f"{name}_command", "commanded", _ORANGE), (name, "achieved", _BLUE))
-    found = [Series(label, scale * columns[c], color) for c, label, color in pair if c in columns]
-    return Panel(path, title, found)
+def _pair(columns: Columns, name: str, scale: float) -> list[Series]:
+    """Draw an achieved value over the ordered one."""
+    pair = ((f"{name}_command", "ordered", ORANGE), (name, "achieved", BLUE))
+    return [Series(label, scale * columns[c], color) for c, label, color in pair if c in columns]
 
 
 def _plain(columns: Columns, *names: str, scale: float = 1.0) -> list[Series]:
     """Draw the columns `names` under their own names."""
     names = [name for name in names if name in columns]
     return [
-        Series(name, scale * columns[name], _PALETTE[i % len(_PALETTE)])
-        for i, name in enumerate(names)
+        Series(name, scale * columns[name], color)
+        for name, color in zip(names, _PALETTE * 9, strict=False)
     ]
 
 
 def _forces(columns: Columns, axis: str, largest: Mapping[str, float] | None) -> Panel:
-    """Draw one axis of the force breakdown: columns X_hull, X_propeller, ..., the known first."""
-    colours = {f"{axis}_{force.name}": force.on_dark for force in FORCES}
+    """Draw one axis of the force breakdown: columns X_hull, X_propeller, ..., the known first.
+
+    What is zero all the time, such as waves in calm water, is left out once the run is over.
+    """
+    colours = {f"{axis}_{force.name}": force for force in FORCES}
     names = [name for name in colours if name in columns]
     names += [name for name in columns if name.startswith(f"{axis}_") and name not in colours]
     most = max((float(np.abs(columns[name]).max()) for name in names), default=0.0)
     size, prefix = _prefix(most if largest is None else largest[axis])
     unit = f"{prefix}N m" if axis == "N" else f"{prefix}N"
     what = "moment" if axis == "N" else "force"
-    series = [Series(k, columns[k] / size, colours.get(k, _GREY)) for k in names]
-    return Panel(f"plots/force_{axis}", f"{axis}: {_SHARES[axis]} {what} [{unit}]", series)
+    series = [
+        Series(
+            colours[k].label if k in colours else k.removeprefix(f"{axis}_"),
+            columns[k] / size,
+            _rgb(colours[k].colour) if k in colours else GREY,
+        )
+        for k in names
+        if largest is not None or columns[k].any()
+    ]
+    title = f"{axis}: {_SHARES[axis]} {what} [{unit}]"
+    return Panel(f"plots/force_{axis}", title, series, FORCE)
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    """Red, green and blue of ``#rrggbb``, lightened where black would swallow it."""
+    red, green, blue = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
+    return (red + 24, green + 24, blue + 24) if red + green + blue < 300 else (red, green, blue)
 
 
 def _units(columns: Columns, name: str, title: str, largest: Mapping[str, float] | None) -> Panel:
@@ -184,16 +331,32 @@ def _units(columns: Columns, name: str, title: str, largest: Mapping[str, float]
         Series(k.removeprefix(f"{name}_"), columns[k] / size, colour)
         for k, colour in zip(names, _SIDES, strict=False)
     ]
-    return Panel(f"plots/{name}_of_units", f"{title} [{prefix}N]", series)
+    return Panel(f"plots/{name}_of_units", f"{title} [{prefix}N]", series, LOADS)
+
+
+def _flow_panels(columns: Columns, meta: Mapping[str, Any]) -> list[Panel]:
+    """Advance ratio and drift of the flow with their trained box, and how far outside they are."""
+    angles = (("beta_P", "at propeller", BLUE), ("beta_R", "at rudder", ORANGE))
+    inflow = [Series(label, _DEG * columns[k], c) for k, label, c in angles if k in columns]
+    ratios = (("J", "J", BLUE), ("extrapolation", "outside: propeller, rudder", ORANGE),
+              ("waves_extrapolation", "outside: wave table", PURPLE))  # fmt: skip
+    advance = [Series(label, columns[k], c) for k, label, c in ratios if k in columns]
+    ship = meta.get("ship")
+    box = ship.get("trained_box") if isinstance(ship, Mapping) else None
+    if box and "delta" in columns:
+        whole = np.ones(len(columns["t"]))
+        side = -1.0 if columns["delta"].mean() < 0.0 else 1.0  # the box of port is its mirror
+        advance += [Series("trained box", end * whole, GREY, True) for end in box["J"]]
+        inflow += [Series("trained box", side * _DEG * k * whole, GREY, True) for k in box["beta"]]
+    return [
+        Panel("plots/advance", "Advance ratio J, and way outside what is known [-]", advance, FLOW),
+        Panel("plots/inflow", "Drift angle of the flow [deg]", inflow, FLOW),
+    ]
 
 
 def _prefix(most: float) -> tuple[float, str]:
     """Size and prefix of the unit in which `most` is drawn."""
     return next((p for p in _PREFIXES if most >= p[0]), (1.0, ""))
-
-
-def _rewards(columns: Columns) -> list[str]:
-    return [name for name in columns if name == "reward" or name.startswith("reward_")]
 
 
 def _filled(*panels: Panel) -> list[Panel]:

@@ -10,13 +10,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ship_gym.conventions import FORCES
+from ship_gym.conventions import FORCES, G
 from ship_gym.recording.hull_shape import box_mesh, merge
+from ship_gym.recording.marks import bearing
+from ship_gym.recording.surroundings import waves_of
 
 Columns = Mapping[str, np.ndarray]
-MOST_WAKE_POINTS = 2000  # more would slow the viewer down and show nothing new
+MOST_WAKE_POINTS = 400  # more would fill the file and show nothing new
 RING = 0.8  # radius of the compass ring [L]
 _OUTSIDE = tuple(force for force in FORCES if force.outside)
+_WIND, _WAVES, _CURRENT = (0.0, 0.3), (0.12, 0.1), (0.0, 0.0)  # see _incoming
+_STRONG_WIND, _STRONG_CURRENT = 0.42, 0.032  # [sqrt(g L)], of a ship of 230 m 20 and 1.5 m/s
 _LOWEST, _APART = 0.12, 0.08  # height of their arrows above the water, and between them [L]
 _HULL_RED, _HULL_BLUE, _DECK = (165, 62, 52), (70, 98, 145), (165, 135, 105)
 
@@ -34,10 +38,13 @@ class ShipShape:
 
 @dataclass(frozen=True)
 class Arrow:
-    """An arrow that moves with the ship: origins and vectors (T, 3) [m] in earth axes."""
+    """An arrow that moves with the ship.
+
+    Origins and vectors (T, 3) [m] in earth axes; what is written at it, shape (T,), "" for nothing.
+    """
 
     name: str
-    label: str
+    labels: np.ndarray
     origins: np.ndarray
     vectors: np.ndarray
     color: tuple[int, int, int]
@@ -88,13 +95,15 @@ def turned(angle: np.ndarray, axis: int) -> np.ndarray:
     return quaternions
 
 
-def wake(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def wake(points: np.ndarray, seldom: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Cut a track into pieces that appear one after the other.
 
     Parameters
     ----------
     points : numpy.ndarray, shape (T, k)
         Track [m].
+    seldom : numpy.ndarray of bool, optional
+        Rows from which to choose, shape (T,), the first among them; all if omitted.
 
     Returns
     -------
@@ -103,7 +112,8 @@ def wake(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     pieces : numpy.ndarray, shape (P, 2, k)
         Start and end of each piece [m]; the first piece is a point.
     """
-    rows = np.unique(np.linspace(0, len(points) - 1, MOST_WAKE_POINTS).astype(int))
+    among = np.arange(len(points)) if seldom is None else np.flatnonzero(seldom)
+    rows = among[np.unique(np.linspace(0, len(among) - 1, MOST_WAKE_POINTS).astype(int))]
     before = np.concatenate([rows[:1], rows[:-1]])
     return rows, np.stack([points[before], points[rows]], axis=1)
 
@@ -115,16 +125,18 @@ def propeller_angle(columns: Columns) -> np.ndarray:
     return 2.0 * np.pi * (turns % 1.0)
 
 
-def arrows(columns: Columns, length: float) -> list[Arrow]:
-    """Arrows for the ordered heading, the current, the wind and the forces of waves and wind.
+def arrows(columns: Columns, length: float, meta: Mapping | None = None) -> list[Arrow]:
+    """Arrows for the ordered heading, waves, wind, current and the forces from outside.
 
     Parameters
     ----------
     columns : mapping of str to numpy.ndarray
         Columns of a trajectory; an arrow whose columns are missing is left out.
     length : float
-        Ship length [m]. The ordered heading is a mark on the compass ring; the others are scaled
-        so that their largest value shows well, the forces all by one scale.
+        Ship length [m]. The ordered heading is a mark on the compass ring; wind and current have
+        the length of their speed up to a strong one, the forces all have one scale.
+    meta : mapping, optional
+        Of the trajectory: its ``sea`` says height, period and direction of the waves.
 
     Returns
     -------
@@ -132,16 +144,33 @@ def arrows(columns: Columns, length: float) -> list[Arrow]:
         Arrows relative to the ship's position.
     """
     found = []
+    rows = len(next(iter(columns.values())))
     if "psi_ordered" in columns:
-        order = _toward(columns["psi_ordered"], 0.3 * length)  # outward from the ring
-        start = RING / 0.3 * order
-        found.append(Arrow("ordered_heading", "ordered heading", start, order, (250, 170, 60)))
-    if {"current_speed", "current_direction_to"} <= columns.keys():
-        flow = (columns["current_direction_to"], columns["current_speed"])
-        found.append(_incoming("current", *flow, length, 0.0, (80, 225, 240)))
+        order = columns["psi_ordered"]
+        vectors = _toward(order, 0.3 * length)  # outward from the ring
+        labels = np.array([f"ordered {bearing(angle)}" for angle in order])
+        found.append(
+            Arrow("ordered_heading", labels, RING / 0.3 * vectors, vectors, (250, 170, 60))
+        )
+    height, period, to, _ = waves_of(meta or {})
+    if height and period:
+        text = f"waves H {height:.1f} m, T {period:.1f} s from {bearing(to + np.pi)}"
+        flow = np.full(rows, to), np.ones(rows)
+        found.append(_incoming("waves", text, *flow, length, _WAVES, (190, 215, 255)))
+    scale = np.sqrt(G * length)
     if {"wind_speed", "wind_direction_from"} <= columns.keys():
-        wind = (columns["wind_direction_from"] + np.pi, columns["wind_speed"])
-        found.append(_incoming("wind", *wind, length, -0.2 * length, (235, 235, 250)))
+        speed, origin = columns["wind_speed"], columns["wind_direction_from"]
+        share = _share(speed, _STRONG_WIND * scale)
+        if share.any():
+            text = f"wind {speed.mean():.1f} m/s from {bearing(origin[0])}"
+            flow = origin + np.pi, share
+            found.append(_incoming("wind", text, *flow, length, _WIND, (240, 240, 245)))
+    if {"current_speed", "current_direction_to"} <= columns.keys():
+        speed, to = columns["current_speed"], columns["current_direction_to"]
+        share = _share(speed, _STRONG_CURRENT * scale)
+        if share.any():
+            text = f"current {speed.mean():.2f} m/s to {bearing(to[0])}"
+            found.append(_incoming("current", text, to, share, length, _CURRENT, (80, 225, 240)))
     return found + _force_arrows(columns, length)
 
 
@@ -160,8 +189,8 @@ def _force_arrows(columns: Columns, length: float) -> list[Arrow]:
         height = _LOWEST + _APART * _OUTSIDE.index(force)
         start = np.broadcast_to([0.0, 0.0, -height * length], vectors.shape)
         shown = vectors * (0.5 * length / largest)
-        name, label = f"{force.name}_force", f"{force.label} force"
-        found.append(Arrow(name, label, start, shown, force.on_dark))
+        none = np.full(len(vectors), "")  # their names would hide each other, and the ship
+        found.append(Arrow(f"{force.name}_force", none, start, shown, force.on_dark))
     return found
 
 
@@ -185,7 +214,7 @@ def compass_ring(length: float) -> tuple[list[np.ndarray], np.ndarray]:
     for degrees in range(0, 360, 10):
         inner = RING - (0.08 if degrees % 90 == 0 else 0.03)
         lines.append(_toward(np.radians([degrees] * 2), np.array([inner, RING]) * length))
-    return lines, _toward(np.radians([0.0, 90.0, 180.0, 270.0]), (RING + 0.08) * length)
+    return lines, _toward(np.radians([0.0, 90.0, 180.0, 270.0]), (RING - 0.17) * length)
 
 
 def hull_colors(corners: np.ndarray, normals: np.ndarray) -> np.ndarray:
@@ -238,17 +267,23 @@ def _to_earth(surge: np.ndarray, sway: np.ndarray, psi: np.ndarray) -> np.ndarra
     return np.stack([north, east, np.zeros(len(psi))], axis=1)
 
 
-def _incoming(name, direction, speed, length: float, height: float, color) -> Arrow:
-    """Arrow of a flow that ends on the compass ring, on the side the flow comes from."""
-    vectors = _scaled(_toward(direction, speed), 0.4 * length)
-    origins = _toward(direction, -RING * length) - vectors + np.array([0.0, 0.0, height])
-    return Arrow(name, name, origins, vectors, color)
+def _incoming(name, text, direction, size, length: float, place: tuple, color) -> Arrow:
+    """Arrow of a flow outside the compass ring, on the side the flow comes from.
+
+    `place` is the gap to the ring and the height above the water [L], apart for each flow, so that
+    their labels do not hide each other where they come from one side.
+    """
+    gap, height = place
+    vectors = _toward(direction, 0.4 * length * size)
+    origins = _toward(direction, -(RING + gap) * length) - vectors
+    labels = np.full(len(direction), text)
+    return Arrow(name, labels, origins + np.array([0.0, 0.0, -height * length]), vectors, color)
 
 
-def _scaled(vectors: np.ndarray, length: float) -> np.ndarray:
-    """Scale vectors so that the longest one is `length` [m] long."""
-    longest = float(np.linalg.norm(vectors, axis=1).max())
-    return vectors * (length / longest) if longest > 0.0 else vectors
+def _share(speed: np.ndarray, strong: float) -> np.ndarray:
+    """Length of an arrow as a share of its longest: not too short to see, 0 for next to nothing."""
+    share = speed / strong
+    return np.where(share < 0.02, 0.0, np.clip(share, 0.25, 1.0))
 
 
 def _is_size(value: object) -> bool:

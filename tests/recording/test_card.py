@@ -22,7 +22,7 @@ META = {
     "seed": 7,
     "ship": SHIP,
     "sea": {"wave_height": 4.87, "wave_period": 12.4, "wave_direction_to": math.radians(100.0),
-            "wind_speed": 17.35, "wind_from_deg": 280.0},
+            "wind_speed": 17.35, "wind_direction_to": math.radians(100.0)},
     "outcome": "heading limit",
     "failed": True,
     "metrics": {"J_1": 12.345678, "settling_time": None, "success": 0.0},
@@ -94,6 +94,19 @@ def test_command_sails_it_again():
 @pytest.mark.parametrize("missing", ["seed", "scenario", "config"])
 def test_no_command_is_made_up(missing):
     assert again({key: value for key, value in META.items() if key != missing}) == ""
+
+
+def test_policy_of_the_package_is_called_by_its_name_and_shown_short():
+    policy = {"file": "/opt/site/ship_gym_agents/pretrained/ppo.safetensors", "sha256": "ab" * 32}
+    meta = META | {"policy": policy}
+    assert "--controller ppo " in again(meta)
+    assert "ppo: .../pretrained/ppo.safetensors, sha256 abababababab" in card_text(
+        run(policy=policy)
+    )
+
+
+def test_program_of_one_s_own_has_no_command():
+    assert again(META | {"policy": {"file": "mine.py", "sha256": "ab"}}) == ""
 
 
 def test_given_command_comes_first():

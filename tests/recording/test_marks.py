@@ -187,19 +187,20 @@ def manoeuvre(columns, **config) -> Trajectory:
 def test_turning_circle_has_its_quarters():
     t = np.arange(1001.0)
     columns = {"t": t, "psi": -0.01 * t, "r": -0.01 + 0.0 * t, "delta_command": -0.6 + 0.0 * t}
-    found = of("leg", manoeuvre(columns, manoeuvre="turning_circle"))
+    trajectory = manoeuvre(columns, manoeuvre="turning_circle")
+    fastest, *found = of("leg", trajectory)
+    assert fastest == (0.0, "fastest turn, 0.57\N{DEGREE SIGN}/s to port")
+    assert worst_moment(trajectory) == 0.0
     assert [text.split("\N{DEGREE SIGN}")[0] for _, text in found] == "90 180 270 360 540".split()
     assert found[0][0] == math.ceil(50.0 * math.pi)
-    assert of("end", manoeuvre(columns, manoeuvre="turning_circle")) == [
-        (1000.0, "end of the manoeuvre")
-    ]
+    assert of("end", trajectory) == [(1000.0, "end of the manoeuvre")]
 
 
 def test_zigzag_has_its_orders_and_where_the_heading_turns_back():
     t = np.arange(0.0, 120.0)
     psi = np.radians(15.0) * np.sin(2.0 * math.pi * t / 80.0)
     command = np.radians(np.where((t < 12) | (t >= 50), 10.0, -10.0))
-    columns = {"t": t, "psi": psi, "r": np.gradient(psi, t), "delta_command": command}
+    columns = {"t": t, "psi": psi, "delta_command": command}
     found = of("leg", manoeuvre(columns, manoeuvre="zigzag"))
     assert found == [
         (12.0, "rudder ordered 10\N{DEGREE SIGN} to port"),

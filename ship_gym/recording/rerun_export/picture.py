@@ -8,46 +8,56 @@ import rerun.blueprint as rrb
 
 from ship_gym.recording import hull_shape, plan, scene
 from ship_gym.recording.card import run_name
+from ship_gym.recording.marks import marks
 from ship_gym.recording.panels import Panel, motion_panels, steering_panels
-from ship_gym.recording.rerun_export.annotations import send_card, send_marks
+from ship_gym.recording.rerun_export.annotations import send_card, send_marks, send_points
 from ship_gym.recording.rerun_export.blueprint import (
     FOLLOWED,
     blueprint,
     latest,
     plan_view,
     scene_view,
+    text_views,
     whole,
 )
-from ship_gym.recording.rerun_export.log import Output, log, log_style, send_pose, send_rows
+from ship_gym.recording.rerun_export.log import Output, log, log_style
+from ship_gym.recording.rerun_export.plots import marked_line, send_panels
+from ship_gym.recording.rerun_export.rows import changes, send_chosen, shown_rows, slow_rows
+from ship_gym.recording.rerun_export.water import send_water
 from ship_gym.recording.trajectory import Trajectory
+from ship_gym.recording.wave_grid import wave_grid
 
-_TRACK, _SEA, _GRID, _TICK = (235, 235, 235), (18, 66, 108, 190), (70, 78, 88), (150, 160, 172)
-_WHITE, _BRONZE, _STEEL = (226, 226, 220), (196, 150, 70), (120, 128, 138)
+_TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (160, 172, 184)
+_WHITE, _BRONZE, _STEEL = (226, 226, 220), (206, 160, 80), (120, 128, 138)
+_FINE = 256.0  # turns of the hull, the rudder and the propeller are in parts of this
 
 
 def send_picture(out: Output, trajectory: Trajectory) -> None:
     """Send all views of the rows of `trajectory` that `out` does not have yet."""
-    columns, ship = trajectory.columns, scene.ship_shape(trajectory.meta)
-    steering = steering_panels(columns, trajectory.meta)
-    motion = motion_panels(columns, out.largest)
-    views = [rrb.TextDocumentView(origin="/about", name="About")]
+    columns, meta, live = trajectory.columns, trajectory.meta, out.area is not None
+    t, ship = columns["t"], scene.ship_shape(meta)
+    panels = steering_panels(columns, meta) + motion_panels(columns, out.largest, meta)
+    views = [rrb.Tabs(*text_views())]
+    often = shown_rows(len(t), live)
+    seldom = often & slow_rows(t, ship.L if ship else 200.0)
     if {"x", "y", "psi"} <= columns.keys():
         points = scene.positions(columns)
         length = ship.L if ship else max(0.05 * float(np.ptp(points, axis=0).max()), 1.0)
-        _log_scene(out, trajectory, points, ship, length)
-        corners = _log_plan(out, trajectory, points, ship, length)
-        row = 0 if out.area is None else -1
-        views = [scene_view(columns, length, row), rrb.Tabs(plan_view(*corners), *views)]
-    for panel in steering + motion:
-        _log_panel(out, columns["t"], panel)
+        _log_scene(out, trajectory, points, ship, length, often, seldom)
+        corners = _log_plan(out, trajectory, points, ship, length, seldom)
+        row, title = (-1, "Ship") if live else (0, _title(meta))
+        pages = rrb.Tabs(plan_view(*corners), *text_views(), active_tab=0)
+        views = [scene_view(columns, length, row, title), pages]
+    send_panels(out, t, often, seldom, panels)
     if out.fixed:
         send_card(out, trajectory)
-        if out.area is None:  # of a run that is on, the marks come at its end
+        if not live:  # of a run that is on, the marks come at its end
             send_marks(out, trajectory)
-        out.stream.send_recording_name(run_name(trajectory.meta))
-        times = whole(columns["t"]) if out.area is None else latest()
-        out.stream.send_blueprint(blueprint(*times, views, steering, motion))
-    out.sent = float(columns["t"][-1])
+            _send_points(out, trajectory, panels)
+        out.stream.send_recording_name(run_name(meta))
+        times = latest() if live else whole(t)
+        out.stream.send_blueprint(blueprint(*times, views, panels, t, live))
+    out.sent = float(t[-1])
 
 
 def send_about(out: Output, trajectory: Trajectory) -> None:
@@ -56,70 +66,115 @@ def send_about(out: Output, trajectory: Trajectory) -> None:
     send_marks(out, trajectory)
 
 
-def _log_scene(out, trajectory: Trajectory, points: np.ndarray, ship, length: float) -> None:
+def _send_points(out: Output, trajectory: Trajectory, panels: list[Panel]) -> None:
+    """Send the marks as points on the lines that a reader follows."""
+    found = marks(trajectory)
+    for panel in panels:
+        line = marked_line(panel)
+        if line is not None:
+            send_points(out, trajectory["t"], panel, found, line)
+
+
+def _title(meta) -> str:
+    """Ship, task, controller, seed and outcome, which stand above the picture."""
+    outcome = meta.get("outcome")
+    return run_name(meta) + (f": {outcome}" if outcome else "")
+
+
+def _log_scene(out, trajectory: Trajectory, points, ship, length, often, seldom) -> None:
     columns, t = trajectory.columns, trajectory["t"]
+    grid = wave_grid(trajectory.meta, length, _far(out, points, length))
+    above = np.array([0.0, 0.0, -0.5 * grid.height - 0.004 * length])
     if out.fixed:
         log(out, "world", rr.ViewCoordinates.FRD)  # x north, y east, z down: right-handed
-        _log_sea(out, points if out.area is None else out.area, length)
-        _log_compass(out, length)
-    send_pose(out, "world/ship", t, *scene.pose(columns))
-    send_rows(out, "world/at_ship", t, lambda new: rr.Transform3D.columns(translation=points[new]))
-    _log_wake(out, trajectory, points, -0.002 * length)
+        _log_compass(out, length, above)
+    send_water(out, grid, t, points, often)
+    places, turns = scene.pose(columns)
+    _send_pose(out, "world/ship", t, often, places, turns)
+    _send_pose(out, "world/at_ship", t, often, points)
+    _log_wake(out, trajectory, points, above, seldom)
     if ship is not None:
-        _log_ship(out, columns, ship)
-    for arrow in scene.arrows(columns, length):
-        _log_arrow(out, t, arrow, length)
+        _log_ship(out, columns, ship, seldom)
+    for arrow in scene.arrows(columns, length, trajectory.meta):
+        _log_arrow(out, t, arrow, length, above, seldom)
 
 
-def _log_sea(out, area: np.ndarray, length: float) -> None:
-    centre, half = area.mean(axis=0), 0.5 * np.ptp(area, axis=0).max() + 15.0 * length
-    corners = centre + half * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
-    faces = [[0, 2, 1], [0, 3, 2]]
-    sea = rr.Mesh3D(vertex_positions=corners, triangle_indices=faces, albedo_factor=_SEA)
-    log(out, "world/sea", sea)
+def _far(out: Output, points: np.ndarray, length: float) -> float:
+    """How far the water goes on round the ship [m]."""
+    area = points if out.area is None else out.area
+    return float(np.ptp(area, axis=0).max()) + 25.0 * length
 
 
-def _log_wake(out, trajectory: Trajectory, points: np.ndarray, above: float) -> None:
+def _send_pose(out: Output, path: str, t, chosen, places, turns=None) -> None:
+    """Send places (T, 3) [m] and turns (T, 4) of an entity, in the rows in which they change."""
+    turns = None if turns is None else np.round(turns * _FINE * 16.0) / (_FINE * 16.0)
+    moved = changes(places) if turns is None else changes(places, turns)
+
+    def rows(new):
+        quaternion = {} if turns is None else {"quaternion": turns[new]}
+        return rr.Transform3D.columns(translation=places[new], **quaternion)
+
+    send_chosen(out, path, t, chosen & moved, rows)
+
+
+def _send_turns(out: Output, path: str, t, chosen, place, angle: np.ndarray, axis: int) -> None:
+    """Send turns by `angle` [rad], shape (T,), about an axis at a place that stays, (3,) [m]."""
+    angle = np.round(angle * _FINE) / _FINE
+    turns = scene.turned(angle, axis)
+    if out.fixed:
+        log_style(out, path, rr.Transform3D, translation=place)
+
+    def rows(new):
+        return rr.Transform3D.columns(quaternion=turns[new])
+
+    send_chosen(out, path, t, chosen & changes(angle), rows)
+
+
+def _log_wake(out, trajectory: Trajectory, points: np.ndarray, above, chosen) -> None:
     """Log the wake and the route of way-points, just above the sea."""
-    rows, pieces = scene.wake(points + np.array([0.0, 0.0, above]))
+    rows, pieces = scene.wake(points + above, chosen)
     if out.fixed:
         log_style(out, "world/wake", rr.LineStrips3D, colors=[_TRACK], radii=[-1.5])
-    times = trajectory["t"][rows]
-    send_rows(out, "world/wake", times, lambda new: rr.LineStrips3D.columns(strips=pieces[new]))
+    _send_pieces(out, "world/wake", trajectory["t"], rows, pieces, rr.LineStrips3D)
     if out.fixed and trajectory.meta.get("waypoints"):
         route = np.array(trajectory.meta["waypoints"], dtype=float)
-        route = np.column_stack([route[:, 0], route[:, 1], np.full(len(route), above)])
+        route = np.column_stack([route[:, 0], route[:, 1], np.full(len(route), above[2])])
         log(out, "world/route", rr.LineStrips3D([route], colors=_BRONZE, radii=-1.0))
 
 
-def _log_compass(out, length: float) -> None:
+def _send_pieces(out: Output, path: str, t, rows, pieces, archetype) -> None:
+    """Send pieces of a track, each at the time of the row at which it ends."""
+    chosen, order = np.zeros(len(t), dtype=bool), np.full(len(t), -1)
+    chosen[rows], order[rows] = True, np.arange(len(rows))
+    send_chosen(out, path, t, chosen, lambda new: archetype.columns(strips=pieces[order[new]]))
+
+
+def _log_compass(out, length: float, above: np.ndarray) -> None:
     """Log the compass ring, which moves with the ship but does not turn with it."""
-    lift = _lift(length)
     ring, names = scene.compass_ring(length)
-    ring = rr.LineStrips3D([line + lift for line in ring], colors=_TRACK, radii=-0.6)
+    ring = rr.LineStrips3D([line + above for line in ring], colors=_TRACK, radii=-0.6)
     log(out, FOLLOWED, ring)
-    names = rr.Points3D(names + lift, labels=["N", "E", "S", "W"], colors=_TRACK, radii=-1.0)
+    names = rr.Points3D(names + above, labels=["N", "E", "S", "W"], colors=_TRACK, radii=-1.0)
     log(out, f"{FOLLOWED}/names", names)
 
 
-def _lift(length: float) -> np.ndarray:
-    return np.array([0.0, 0.0, -0.01 * length])
-
-
-def _log_arrow(out, t: np.ndarray, arrow: scene.Arrow, length: float) -> None:
+def _log_arrow(out, t: np.ndarray, arrow: scene.Arrow, length: float, above, chosen) -> None:
     """Log an arrow that moves with the ship but does not turn with it."""
-    path, origins = f"world/at_ship/{arrow.name}", arrow.origins + _lift(length)
+    path = f"world/at_ship/{arrow.name}"
+    fine = 0.002 * length
+    vectors, origins = (np.round(a / fine) * fine for a in (arrow.vectors, arrow.origins + above))
     if out.fixed:
-        style = {"colors": [arrow.color], "radii": [0.012 * length], "labels": [arrow.label]}
-        log_style(out, path, rr.Arrows3D, show_labels=True, **style)
+        style = {"colors": [arrow.color], "radii": [0.012 * length], "show_labels": [True]}
+        log_style(out, path, rr.Arrows3D, **style)
 
     def rows(new):
-        return rr.Arrows3D.columns(vectors=arrow.vectors[new], origins=origins[new])
+        labels = {"labels": arrow.labels[new].tolist()} if arrow.labels.any() else {}
+        return rr.Arrows3D.columns(vectors=vectors[new], origins=origins[new], **labels)
 
-    send_rows(out, path, t, rows)
+    send_chosen(out, path, t, chosen & changes(vectors, origins, arrow.labels), rows)
 
 
-def _log_ship(out, columns, ship: scene.ShipShape) -> None:
+def _log_ship(out, columns, ship: scene.ShipShape, chosen) -> None:
     t, (stock, *plate) = columns["t"], scene.rudder_plate(ship)
     centre, *mesh = scene.propeller_mesh(ship)
     if out.fixed:
@@ -133,24 +188,23 @@ def _log_ship(out, columns, ship: scene.ShipShape) -> None:
     delta = columns.get("delta", np.zeros(len(t)))
     # The blade hangs aft of its stock: for delta > 0 its trailing edge goes to starboard, which
     # is a negative turn about z (down).
-    places = np.tile(stock, (len(t), 1))
-    send_pose(out, "world/ship/rudder", t, places, scene.turned(-delta, axis=2))
+    _send_turns(out, "world/ship/rudder", t, chosen, stock, -delta, axis=2)
     turn = scene.propeller_angle(columns) if "n" in columns else np.zeros(len(t))
-    places = np.tile(centre, (len(t), 1))
-    send_pose(out, "world/ship/propeller", t, places, scene.turned(turn, axis=0))
+    _send_turns(out, "world/ship/propeller", t, chosen, centre, turn, axis=0)
 
 
-def _log_plan(out, trajectory: Trajectory, points, ship, length: float):
+def _log_plan(out, trajectory: Trajectory, points, ship, length: float, chosen):
     t, track = trajectory["t"], plan.to_plan(points)
     area = track if out.area is None else plan.to_plan(out.area)
     low, high = plan.plan_bounds(area, 1.5 * length)
     if out.fixed:
         _log_chart(out, trajectory, ship, length, low, high)
-    rows, pieces = scene.wake(track)
-    times = t[rows]
-    send_rows(out, "plan/track", times, lambda new: rr.LineStrips2D.columns(strips=pieces[new]))
+    rows, pieces = scene.wake(track, chosen)
+    _send_pieces(out, "plan/track", t, rows, pieces, rr.LineStrips2D)
     places = np.column_stack([track, np.zeros(len(t))])
-    send_pose(out, "plan/ship", t, places, scene.turned(trajectory["psi"], axis=2))
+    moved = np.zeros(len(t), dtype=bool)
+    moved[rows] = True
+    _send_pose(out, "plan/ship", t, moved, places, scene.turned(trajectory["psi"], axis=2))
     return low, high
 
 
@@ -162,7 +216,7 @@ def _log_chart(out, trajectory: Trajectory, ship, length: float, low, high) -> N
     log(out, "plan/labels", ticks)
     log_style(out, "plan/track", rr.LineStrips2D, colors=[_TRACK], radii=[-1.0])
     shape = (ship.L, ship.B, ship.d) if ship else (length, 0.2 * length, 0.1 * length)
-    outline = plan.to_plan(hull_shape.deck_outline(*shape))
+    outline = plan.to_plan(hull_shape.deck_outline(*shape)[::3])
     log(out, "plan/ship", rr.LineStrips2D([outline], colors=_BRONZE, radii=-1.5))
     if trajectory.meta.get("waypoints"):
         route = plan.to_plan(np.array(trajectory.meta["waypoints"], dtype=float))
@@ -170,31 +224,20 @@ def _log_chart(out, trajectory: Trajectory, ship, length: float, low, high) -> N
 
 
 def _log_solid(out, path: str, mesh, color=None) -> None:
-    """Log a closed mesh with sharp edges, in one colour or in a hull's paint."""
+    """Log a closed mesh, sharp-edged in one colour, or round in a hull's paint."""
     vertices, triangles, normals = hull_shape.flat_shaded(*mesh)
-    paint = np.array([color]) if color else scene.hull_colors(vertices, normals)
+    if color:
+        paint = np.broadcast_to(np.array(color, dtype=np.uint8), vertices.shape)
+    else:
+        paint = scene.hull_colors(vertices, normals)
+    shaded = hull_shape.smooth_shaded(vertices, normals, paint) if not color else None
+    if shaded is not None:
+        vertices, triangles, normals, paint = shaded
+    look = {"albedo_factor": color} if color else {"vertex_colors": paint}
     log(
         out,
         path,
         rr.Mesh3D(
-            vertex_positions=vertices,
-            triangle_indices=triangles,
-            vertex_normals=normals,
-            vertex_colors=np.broadcast_to(paint, vertices.shape),
+            vertex_positions=vertices, triangle_indices=triangles, vertex_normals=normals, **look
         ),
     )
-
-
-def _log_panel(out: Output, t: np.ndarray, panel: Panel) -> None:
-    """Log all lines of a plot as one entity, which is smaller and faster than one for each."""
-    if out.fixed:
-        names, colors = [s.label for s in panel.series], [s.color for s in panel.series]
-        lines = rr.SeriesLines(names=names, colors=colors, widths=[1.5] * len(names))
-        log(out, panel.path, lines)
-    values = np.stack([series.values for series in panel.series], axis=1)
-
-    def rows(new):
-        chosen = values[new]
-        return rr.Scalars.columns(scalars=chosen.ravel()).partition([chosen.shape[1]] * len(chosen))
-
-    send_rows(out, panel.path, t, rows)

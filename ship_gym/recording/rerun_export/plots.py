@@ -1,0 +1,102 @@
+"""The plots of a recording: one entity holds the lines of many, each view shows its own.
+
+So times are stored once, and values in 32 bits, enough for an eye; the exact columns are in the
+record. A view finds its lines by a mapping from a component of that entity.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
+
+from ship_gym.recording.axes import USUAL, free_corner, y_range
+from ship_gym.recording.panels import STEERING, Panel
+from ship_gym.recording.rerun_export.log import Output
+from ship_gym.recording.rerun_export.rows import send_chosen
+
+_ENTITIES = {True: "plots/steering", False: "plots/more"}  # seen at once, and in the other tabs
+_ARCHETYPE = "ShipGymPlot"
+_WIDTH, _THIN = 1.6, 1.0  # of a line [points]
+
+
+def send_panels(out: Output, t: np.ndarray, often, seldom, panels: list[Panel]) -> None:
+    """Send the lines of all plots: those seen at once in the rows `often`, the others `seldom`.
+
+    Parameters
+    ----------
+    out : Output
+    t : numpy.ndarray
+        Times [s], shape (T,).
+    often, seldom : numpy.ndarray of bool
+        Rows, shapes (T,); those that are new are sent.
+    panels : list of Panel
+    """
+    for first, path in _ENTITIES.items():
+        chosen = [panel for panel in panels if (panel.topic == STEERING) == first]
+        if chosen:
+            send_chosen(out, path, t, often if first else seldom, _lines(chosen))
+
+
+def _lines(panels: list[Panel]):
+    """Columns of some plots for the rows of a mask."""
+
+    def rows(new):
+        found = []
+        for panel in panels:
+            values = np.stack([series.values[new] for series in panel.series], axis=1)
+            parts = {panel.name: values.astype(np.float32).ravel()}
+            columns = rr.DynamicArchetype.columns(archetype=_ARCHETYPE, components=parts)
+            found += columns.partition([len(panel.series)] * len(values))
+        return found
+
+    return rows
+
+
+def marked_line(panel: Panel) -> int | None:
+    """Number of the line on which the marks of a run are points; None: on none of this plot."""
+    if panel.topic != STEERING or panel.name in ("speed", "reward"):
+        return None
+    labels = [series.label for series in panel.series]
+    return next((labels.index(name) for name in ("true", "achieved") if name in labels), 0)
+
+
+def plot_view(panel: Panel, t: np.ndarray, axis: rr.TimeRange, live: bool) -> rrb.TimeSeriesView:
+    """View of one plot; the axes of a run that is over show all of it."""
+    lines = rr.SeriesLines(
+        names=[series.label for series in panel.series],
+        colors=[series.color for series in panel.series],
+        widths=[_THIN if series.limit else _WIDTH for series in panel.series],
+    )
+    source = VisualizerComponentMapping(
+        "Scalars:scalars",
+        ComponentSourceKind.SourceComponent,
+        source_component=f"{_ARCHETYPE}:{panel.name}",
+    )
+    path = _ENTITIES[panel.topic == STEERING]
+    look = {} if live else _look(panel, t)
+    return rrb.TimeSeriesView(
+        origin=f"/{path}",
+        contents=[f"/{path}", f"/{panel.path}/**"],
+        name=panel.title,
+        overrides={path: lines.visualizer(mappings=[source])},
+        axis_x=rrb.TimeAxis(view_range=axis),
+        **look,
+    )
+
+
+def _look(panel: Panel, t: np.ndarray) -> dict:
+    """Axis and legend of a run that is over, as far as they differ from what the viewer does."""
+    limits = [series.values for series in panel.series if series.limit]
+    moving = [series.values for series in panel.series if not series.limit]
+    ends = y_range(moving, limits, panel.robust)
+    entries = len({series.label for series in panel.series})
+    corner = free_corner(t, moving, ends, entries)
+    found = {}
+    if panel.topic == STEERING:  # each property costs a message, so the others have what is usual
+        found["axis_y"] = rrb.ScalarAxis(range=ends)
+        if entries < 2 or corner != USUAL:
+            place = getattr(rrb.Corner2D, corner)
+            found["plot_legend"] = rrb.PlotLegend(corner=place, visible=entries > 1)
+    return found
