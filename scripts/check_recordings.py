@@ -38,6 +38,7 @@ ALLOWED = {
 
 
 def main() -> None:
+    from ship_gym.config import check_number
     from ship_gym.text import table
 
     made = parser(HELP, EXAMPLES)
@@ -46,6 +47,8 @@ def main() -> None:
     made.add_argument("--kills", type=int, default=10, help="killed processes (default 10)")
     made.add_argument("--seed", type=int, default=0, help="of bits, places and moments (default 0)")
     args = made.parse_args()
+    for name in ("flips", "cuts", "kills", "seed"):
+        check_number(name, getattr(args, name), 0, 10**6)  # before the work
     with tempfile.TemporaryDirectory() as folder:
         found = _checked(args, Path(folder))
     rows, bad = [], 0
