@@ -18,6 +18,7 @@ from ship_gym.recording.about import ship_meta
 from ship_gym.recording.thinning import thinned
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.sea.state import CALM, Sea, regular_sea
+from ship_gym.sea.surface import wave_entries
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
@@ -333,6 +334,7 @@ class Run:
             "config": {**config, "sea": dataclasses.asdict(self.sea), "dt": self.dt},
             "seed": 0,
             "ship": ship_meta(self.ship),
+            "waves": wave_entries(self.sim.water.waves_of(0)),
             **provenance(),
         }
         return Trajectory(columns, meta)

@@ -20,12 +20,12 @@ from ship_gym.recording.about import ship_meta
 from ship_gym.recording.panels import plots_meta
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.scenarios.scenario import Scenario
-from ship_gym.sea.surface import WAVE_ENTRIES
+from ship_gym.sea.surface import wave_entries
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import history_columns
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.columns import action_columns, observation_columns
-from ship_gym.tasks.metrics import metrics
+from ship_gym.tasks.metrics import metrics, metrics_of
 from ship_gym.tasks.rewards import COSTS
 
 _HISTORIES = ("time", "states", "commands", "forces", "flow", "waves")
@@ -144,7 +144,7 @@ class Conditions:
             **self.setting.meta,
             "randomisation": self.randomisation,
             "sea": self._sea(),
-            "waves": self._waves(),
+            "waves": wave_entries(self.waves),
             **self.setting.task.meta(self.plan),
         }
 
@@ -159,14 +159,6 @@ class Conditions:
         )
         degrees = {name: math.degrees(way) % 360.0 if size else None for name, size, way in ways}
         return {**weather, "current_speed": speed, "current_direction_to": to, **degrees}
-
-    def _waves(self) -> dict[str, list[float]] | None:
-        """The waves as ``sea.surface.elevation`` takes them; None: there are none."""
-        if not self.waves.shape[1]:
-            return None
-        amplitude, omega, k, turns, to = self.waves
-        entries = (amplitude, omega, k, to, 2.0 * math.pi * turns)
-        return {name: row.tolist() for name, row in zip(WAVE_ENTRIES, entries, strict=True)}
 
     def trajectory(
         self, rows: Mapping[str, np.ndarray], outcome: int, about: Mapping[str, Any]
@@ -184,6 +176,8 @@ class Conditions:
         """
         found = Trajectory(self.columns(rows), self.meta() | self.end(outcome) | dict(about))
         found.meta["metrics"] = measured(found)
+        units = metrics_of(found.meta["task"]) if found.meta["metrics"] else {}
+        found.meta["units"] = {name: metric.unit for name, metric in units.items()}
         return found
 
     def end(self, outcome: int) -> dict[str, Any]:

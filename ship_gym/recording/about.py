@@ -30,7 +30,16 @@ def ship_meta(ship: Ship) -> dict[str, Any]:
         "power_max": largest_power(ship),
         "m_u": ship.inertia.m_u,
         "efficiency": _efficiency(ship),
+        "trained_box": _trained_box(ship),
     }
+
+
+def _trained_box(ship: Ship) -> dict[str, Any] | None:
+    """Ranges of J and, for a rudder to starboard, of drift [rad]; None: no surrogate."""
+    if ship.surrogate is None:
+        return None
+    domain = ship.surrogate.card["domain"]
+    return {name: [domain[f"{name}_min"], domain[f"{name}_max"]] for name in ("J", "beta")}
 
 
 def _efficiency(ship: Ship) -> float | None:

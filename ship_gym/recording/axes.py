@@ -8,14 +8,14 @@ from collections.abc import Sequence
 import numpy as np
 
 # The viewer writes ticks at whole powers of ten only, and only where they are far enough apart:
-# of four plots on a screen, up to nine.
-_MOST_TICKS, _FEWEST_TICKS = 9, 3
+# of four plots on a screen, up to ten.
+_MOST_TICKS, _FEWEST_TICKS = 10, 3
 _ROOM = 0.04  # of the range, free above and below
 USUAL = "LeftBottom"  # where the viewer puts a legend by itself
 CORNERS = ("LeftTop", "RightTop", "RightBottom", "LeftBottom")
 _WIDE, _LINE, _HEAD = 0.16, 0.11, 0.04  # legend: share of the width, of the height by line
 _USUAL_SHARE = 0.9  # of the rows
-_FAR = 0.5  # a limit is on the axis where a line reaches this share of it
+_NEAR = 0.4  # of the range of the lines: a limit that is not farther from them is shown
 
 
 def y_range(
@@ -43,11 +43,9 @@ def y_range(
     if span / step >= _FEWEST_TICKS:
         return low - _ROOM * span, high + _ROOM * span
     first, last = math.floor(low / step + 1e-6), math.ceil(high / step - 1e-6)
-    while last - first < _FEWEST_TICKS - 1:  # grow on the side where the data are nearer the end
-        if high / step - first > last - low / step:
-            last += 1
-        else:
-            first -= 1
+    if last - first < _FEWEST_TICKS - 1:  # one more, where the data are nearer to the end
+        above = high / step - first > last - low / step
+        first, last = (first, last + 1) if above else (first - 1, last)
     room = _ROOM * (last - first)
     return (first - room) * step, (last + room) * step
 
@@ -62,10 +60,10 @@ def _extent(lines: Sequence[np.ndarray], limits: Sequence[np.ndarray]) -> tuple[
     """Smallest and largest value that must be seen; never equal."""
     low = float(min(line.min() for line in lines))
     high = float(max(line.max() for line in lines))
-    for limit in limits:
-        end = float(limit[0])
-        near = high >= _FAR * end if end > 0.0 else low <= _FAR * end
-        low, high = (min(low, end), max(high, end)) if near else (low, high)
+    reach = _NEAR * (high - low)
+    ends = [float(end) for limit in limits for end in (limit.min(), limit.max())]
+    near = [end for end in ends if low - reach <= end <= high + reach]
+    low, high = min([low, *near]), max([high, *near])
     if high - low <= 1e-9 * max(abs(low), abs(high), 1e-6):
         half = 0.05 * abs(low) or 1.0
         return low - half, high + half

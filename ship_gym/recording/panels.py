@@ -78,7 +78,7 @@ def steering_panels(columns: Columns, meta: Mapping[str, Any] | None = None) -> 
     """
     meta = meta or {}
     own = _own_panels(columns, meta)
-    first = own or [_heading_panel(columns)]
+    first = own or [_heading_panel(columns, meta)]
     rest = (_rudder_panel(columns, meta), _speed_panel(columns), _reward_panel(columns))
     return [replace(panel, topic=STEERING) for panel in _filled(*first, *rest)]
 
@@ -100,16 +100,17 @@ def motion_panels(
     meta : mapping, optional
         As for `steering_panels`.
     """
-    own = _own_panels(columns, meta or {})
+    meta = meta or {}
+    own = _own_panels(columns, meta)
     return _filled(
-        *([_heading_panel(columns)] if own else []),
+        *([_heading_panel(columns, meta)] if own else []),
         Panel("plots/heading_error", "Heading error [deg]", _heading_error(columns)),
         Panel("plots/yaw_rate", "Rate of turn [deg/s]", _yaw_rate(columns)),
         Panel("plots/wave_motion", "Motion in waves [deg]", _wave_motion(columns)),
         *(_forces(columns, axis, largest) for axis in FORCE_AXES),
         _units(columns, "thrust", "Thrust of each propeller", largest),
         _units(columns, "rudder_normal_force", "Normal force of each rudder", largest),
-        *_flow_panels(columns),
+        *_flow_panels(columns, meta),
     )
 
 
@@ -128,8 +129,8 @@ def unwrapped(psi: np.ndarray) -> np.ndarray:
     return found - 2.0 * np.pi * np.floor(found[0] / (2.0 * np.pi))
 
 
-def _heading_panel(columns: Columns) -> Panel:
-    """Heading, order and what is measured, on one branch; ordered on top of what is measured."""
+def _heading_panel(columns: Columns, meta: Mapping[str, Any]) -> Panel:
+    """Heading, order with its limits and what is measured, on one branch."""
     found: list[Series] = []
     if "psi" in columns:
         psi = unwrapped(columns["psi"])
@@ -142,7 +143,11 @@ def _heading_panel(columns: Columns) -> Panel:
         if "psi_ordered" in columns:
             ordered = psi - wrap_angle(columns["psi"] - columns["psi_ordered"])
             found.append(Series("ordered", _DEG * ordered, ORANGE))
-    beyond = any(np.any((s.values < 0.0) | (s.values >= 360.0)) for s in found)
+            end = _limit(meta, "heading_error_deg")
+            if end is not None:
+                sides = (1.0, -1.0)
+                found += [Series("limit", _DEG * ordered + k * end, RED, True) for k in sides]
+    beyond = any(np.any((s.values < 0.0) | (s.values >= 360.0)) for s in found if not s.limit)
     title = "Heading [deg true]" + (", beyond 000-360 where it would jump" if beyond else "")
     return Panel("plots/heading", title, found)
 
@@ -160,13 +165,10 @@ def _own_panels(columns: Columns, meta: Mapping[str, Any]) -> list[Panel]:
             for name, title, names in meta.get("plots", ())
         )
     )
-    corridor = _limit(meta, "corridor")
-    if corridor is None:
-        return found
+    bounds = [(_limit(meta, "corridor"), "corridor"), (_limit(meta, "cross_track"), "limit")]
+    aside = [line for end, name in bounds if end for line in _both(end, name, columns)]
     return [
-        replace(panel, series=panel.series + _both(corridor, "corridor", columns))
-        if any(s.label in ("off_route", "off route") for s in panel.series)
-        else panel
+        replace(panel, series=panel.series + aside) if panel.path == "plots/off_route" else panel
         for panel in found
     ]
 
@@ -231,16 +233,21 @@ def _reward_panel(columns: Columns) -> Panel:
     end = columns.get("reward_termination")
     names = [k for k in columns if k.startswith("reward_") and k != "reward_termination"]
     found = [
-        Series(name.removeprefix("reward_").replace("_", " "), columns[name], color)
+        Series(name.removeprefix("reward_").replace("_", " "), _held(columns[name]), color)
         for name, color in zip(names, _PALETTE * 9, strict=False)
     ]
     title = "Reward of an interval, by terms (axis without the largest tenth)"
     if "reward" in columns:
         whole = columns["reward"] if end is None else columns["reward"] - end
-        found.append(Series("all" if names else "reward", whole, GREY))
+        found.append(Series("all" if names else "reward", _held(whole), GREY))
     if end is not None and np.any(end):
         title += f"; {end.sum():g} for the end is left out"
     return Panel("plots/reward", title, found, robust=True)
+
+
+def _held(values: np.ndarray) -> np.ndarray:
+    """Values of intervals, the last one held to its end; the last row of a recording has none."""
+    return np.append(values[:-1], values[-2]) if len(values) > 1 else values
 
 
 def _yaw_rate(columns: Columns) -> list[Series]:
@@ -327,16 +334,23 @@ def _units(columns: Columns, name: str, title: str, largest: Mapping[str, float]
     return Panel(f"plots/{name}_of_units", f"{title} [{prefix}N]", series, LOADS)
 
 
-def _flow_panels(columns: Columns) -> list[Panel]:
-    """Advance ratio and angles of the flow, and how far outside their trained box they are."""
+def _flow_panels(columns: Columns, meta: Mapping[str, Any]) -> list[Panel]:
+    """Advance ratio and drift of the flow with their trained box, and how far outside they are."""
     angles = (("beta_P", "at propeller", BLUE), ("beta_R", "at rudder", ORANGE))
     inflow = [Series(label, _DEG * columns[k], c) for k, label, c in angles if k in columns]
-    ratios = (("J", "J", BLUE), ("extrapolation", "outside: propeller, rudder", RED),
+    ratios = (("J", "J", BLUE), ("extrapolation", "outside: propeller, rudder", ORANGE),
               ("waves_extrapolation", "outside: wave table", PURPLE))  # fmt: skip
     advance = [Series(label, columns[k], c) for k, label, c in ratios if k in columns]
+    ship = meta.get("ship")
+    box = ship.get("trained_box") if isinstance(ship, Mapping) else None
+    if box and "delta" in columns:
+        whole = np.ones(len(columns["t"]))
+        side = -1.0 if columns["delta"].mean() < 0.0 else 1.0  # the box of port is its mirror
+        advance += [Series("trained box", end * whole, GREY, True) for end in box["J"]]
+        inflow += [Series("trained box", side * _DEG * k * whole, GREY, True) for k in box["beta"]]
     return [
-        Panel("plots/advance", "Advance ratio J, way outside what is known [-]", advance, FLOW),
-        Panel("plots/inflow", "Angle of the flow [deg]", inflow, FLOW),
+        Panel("plots/advance", "Advance ratio J, and way outside what is known [-]", advance, FLOW),
+        Panel("plots/inflow", "Drift angle of the flow [deg]", inflow, FLOW),
     ]
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from ship_gym.conventions import FORCES, G
 from ship_gym.recording.hull_shape import box_mesh, merge
 from ship_gym.recording.marks import bearing
+from ship_gym.recording.surroundings import waves_of
 
 Columns = Mapping[str, np.ndarray]
 MOST_WAKE_POINTS = 400  # more would fill the file and show nothing new
@@ -151,9 +152,8 @@ def arrows(columns: Columns, length: float, meta: Mapping | None = None) -> list
         found.append(
             Arrow("ordered_heading", labels, RING / 0.3 * vectors, vectors, (250, 170, 60))
         )
-    waves = waves_of(meta or {})
-    if waves is not None:
-        height, period, to = waves
+    height, period, to, _ = waves_of(meta or {})
+    if height and period:
         text = f"waves H {height:.1f} m, T {period:.1f} s from {bearing(to + np.pi)}"
         flow = np.full(rows, to), np.ones(rows)
         found.append(_incoming("waves", text, *flow, length, _WAVES, (190, 215, 255)))
@@ -172,32 +172,6 @@ def arrows(columns: Columns, length: float, meta: Mapping | None = None) -> list
             text = f"current {speed.mean():.2f} m/s to {bearing(to[0])}"
             found.append(_incoming("current", text, to, share, length, _CURRENT, (80, 225, 240)))
     return found + _force_arrows(columns, length)
-
-
-def waves_of(meta: Mapping) -> tuple[float, float, float] | None:
-    """Height [m], period [s] and direction to which they go [rad] of a recording's waves, or None.
-
-    Significant height and peak period, or those of the one regular wave of a manoeuvre.
-    """
-    sea = meta.get("sea")
-    if isinstance(sea, Mapping) and sea.get("wave_height"):
-        names = ("wave_height", "wave_period", "wave_direction_to")
-        return tuple(float(sea[name]) for name in names)
-    config = meta.get("config")
-    sea = config.get("sea") if isinstance(config, Mapping) else None
-    if not isinstance(sea, Mapping):
-        return None
-    to = float(sea.get("wave_direction_to") or 0.0)
-    regular = sea.get("regular")
-    if isinstance(regular, Mapping):
-        return 2.0 * regular["amplitude"], 2.0 * np.pi / regular["omega"], to
-    systems = sea.get("waves") or ()
-    systems = [s for s in systems if isinstance(s, Mapping) and s.get("height")]
-    if not systems:
-        return None
-    largest = max(systems, key=lambda s: s["height"])
-    height = float(np.sqrt(sum(s["height"] ** 2 for s in systems)))
-    return height, float(largest["peak_period"]), to + float(largest.get("direction") or 0.0)
 
 
 def _force_arrows(columns: Columns, length: float) -> list[Arrow]:

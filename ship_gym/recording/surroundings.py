@@ -43,7 +43,7 @@ class Surroundings(NamedTuple):
 
 def surroundings(trajectory: Trajectory, row: int = 0) -> Surroundings:
     """What surrounds the ship in a row."""
-    waves, wind = _waves(trajectory.meta), _wind(trajectory, row)
+    waves, wind = waves_of(trajectory.meta), _wind(trajectory, row)
     speed, to = None, 0.0
     if "current_speed" in trajectory:
         speed = float(trajectory["current_speed"][row])
@@ -58,7 +58,7 @@ def speed_through_water(columns: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.hypot(columns["u"] - flow * np.cos(angle), columns["v"] - flow * np.sin(angle))
 
 
-def _waves(meta: Mapping[str, Any]) -> tuple[float | None, float | None, float, bool]:
+def waves_of(meta: Mapping[str, Any]) -> tuple[float | None, float | None, float, bool]:
     """Height, period, direction, and whether it is a regular wave.
 
     An episode has them in its ``sea``, a manoeuvre in its config. Energies of several systems add

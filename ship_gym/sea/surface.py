@@ -37,3 +37,23 @@ def elevation(waves: Mapping[str, Any], x: Any, y: Any, t: Any) -> np.ndarray:
     along = x * np.cos(to) + y * np.sin(to)
     theta = omega * t - k * along + phase
     return np.cos(theta) @ a
+
+
+def wave_entries(waves: np.ndarray) -> dict[str, list[float]] | None:
+    """The waves of a ship as `elevation` takes them and a recording keeps them.
+
+    Parameters
+    ----------
+    waves : numpy.ndarray
+        Shape (5, N), of ``sea.records.Waters.waves_of``; its phases are in turns.
+
+    Returns
+    -------
+    dict or None
+        `WAVE_ENTRIES`; None: there are no waves.
+    """
+    if not waves.shape[1]:
+        return None
+    amplitude, omega, k, turns, to = waves
+    entries = (amplitude, omega, k, to, 2.0 * np.pi * turns)
+    return {name: row.tolist() for name, row in zip(WAVE_ENTRIES, entries, strict=True)}

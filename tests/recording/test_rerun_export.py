@@ -55,7 +55,7 @@ def plots(path) -> set[str]:
     for part in reader(path).stream():
         if part.entity_path.startswith("/plots/"):
             names = part.to_record_batch().schema.names
-            found |= {n.split(":")[1][:-3] for n in names if n.startswith("ShipGymPlot:")}
+            found |= {n.split(":")[1] for n in names if n.startswith("ShipGymPlot:")}
     return found
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -126,6 +127,24 @@ def test_refusals_are_one_line_and_leave_nothing(cli, tmp_path, arguments, words
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert all(word in err for word in words), err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="needs /proc of Linux")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["picture", "a.rrd", "--out", "/proc/a.png"],
+        ["compare", "a.rrd", "b.rrd", "--out", "/proc/c.rrd"],
+        ["compare", "a.rrd", "b.rrd", "--picture", "/proc/c.png"],
+        ["export", "a.rrd", "--out", "/proc/a.csv"],
+        ["export", "a.rrd", "b.rrd", "--format", "png", "--out", "/proc"],
+        ["export", "/proc/a.rrd", "--format", "csv"],
+        ["picture", "/proc/a.rrd"],
+    ],
+)
+def test_places_that_cannot_be_written_are_refused_before_a_file_is_read(cli, arguments):
+    code, out, err = cli("review", *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1) and "cannot write into /proc: " in err
 
 
 def test_list_has_a_row_for_every_file(cli, folder):
@@ -325,3 +344,41 @@ def test_videos_are_of_the_painter(cli, folder, monkeypatch):
     monkeypatch.setattr(replay, "write_video", lambda run, path, progress: seen.append(str(path)))
     code, out, err = cli("review", "export", "runs/pid_1000001.rrd", "--format", "mp4")
     assert code == 0 and seen == ["runs/pid_1000001.mp4"] and seen[0] in out, err
+
+
+def test_compare_puts_runs_side_by_side(cli, folder, sailed, monkeypatch):
+    names = ["runs/pid_1000001.rrd", "runs/constant_1000001.rrd"]
+    shots = []
+    monkeypatch.setattr(viewer, "screenshot", lambda *given: shots.append(given))
+    arguments = ["--out", "runs/both.rrd", "--picture", "both.png"]
+    code, out, err = cli("review", "compare", *names, *arguments, "--json")
+    assert code == 0, err
+    found = json.loads(out)
+    assert found["files"] == ["runs/both.rrd", "both.png"] and len(shots) == 1
+    pid, constant = (one.meta["metrics"] for one in (sailed[0], sailed[2]))
+    first, second = found["recordings"]
+    assert (first["name"], second["name"]) == ("pid", "constant")
+    assert second["metrics"] == constant
+    assert second["differences"]["J_1"] == constant["J_1"] - pid["J_1"]
+    assert "less pid" in cli("review", "compare", *names, "--out", "runs/both.rrd")[1]
+    rows = json.loads(cli("review", "list", "runs", "--where", "kind==comparison", "--json")[1])
+    assert [row["file"] for row in rows["runs"]] == ["runs/both.rrd"]
+    seen = []
+    monkeypatch.setattr(viewer, "has_screen", lambda: True)
+    monkeypatch.setattr(viewer, "show", lambda *paths, moment=None: seen.append((paths, moment)))
+    assert cli("review", "show", "runs/both.rrd")[0] == 0
+    assert [(str(path), moment) for (path,), moment in seen] == [("runs/both.rrd", None)]
+    assert cli("review", "picture", "runs/both.rrd", "--at", "30")[0] == 0
+    assert (shots[-1][1].name, shots[-1][2]) == ("both.png", 30.0)
+    assert "is a comparison" in cli("review", "picture", "runs/both.rrd", "--painter")[2]
+    whole = bytearray((folder / "both.rrd").read_bytes())
+    whole[5000] ^= 1
+    (folder / "both.rrd").write_bytes(whole)
+    code, out, err = cli("review", "show", "runs/both.rrd")
+    assert (code, out, len(seen)) == (2, "", 1) and "runs/both.rrd" in err
+
+
+def test_runs_of_different_tasks_are_not_compared(cli, folder):
+    code, out, err = cli("review", "compare", "runs/pid_1000001.rrd", "runs/turn.rrd")
+    assert (code, out, err.count("\n")) == (2, "", 1) and "different task" in err
+    assert not (folder / "compare.rrd").exists()

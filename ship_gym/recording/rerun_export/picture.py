@@ -24,8 +24,8 @@ from ship_gym.recording.rerun_export.log import Output, log, log_style
 from ship_gym.recording.rerun_export.plots import marked_line, send_panels
 from ship_gym.recording.rerun_export.rows import changes, send_chosen, shown_rows, slow_rows
 from ship_gym.recording.rerun_export.water import send_water
-from ship_gym.recording.surface import wave_grid
 from ship_gym.recording.trajectory import Trajectory
+from ship_gym.recording.wave_grid import wave_grid
 
 _TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (160, 172, 184)
 _WHITE, _BRONZE, _STEEL = (226, 226, 220), (206, 160, 80), (120, 128, 138)

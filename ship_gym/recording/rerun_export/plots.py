@@ -1,6 +1,6 @@
 """The plots of a recording: one entity holds the lines of many, each view shows its own.
 
-So times are stored once, and values with the bits that an eye needs; the exact columns are in the
+So times are stored once, and values in 32 bits, enough for an eye; the exact columns are in the
 record. A view finds its lines by a mapping from a component of that entity.
 """
 
@@ -19,8 +19,6 @@ from ship_gym.recording.rerun_export.rows import send_chosen
 _ENTITIES = {True: "plots/steering", False: "plots/more"}  # seen at once, and in the other tabs
 _ARCHETYPE = "ShipGymPlot"
 _WIDTH, _THIN = 1.6, 1.0  # of a line [points]
-_FINEST, _LARGEST = 2.0**-11, 6e4  # half precision: rounding as a share of the size; largest
-_SEEN = 0.001  # of an axis: less than a line's width
 
 
 def send_panels(out: Output, t: np.ndarray, often, seldom, panels: list[Panel]) -> None:
@@ -38,37 +36,22 @@ def send_panels(out: Output, t: np.ndarray, often, seldom, panels: list[Panel]) 
     for first, path in _ENTITIES.items():
         chosen = [panel for panel in panels if (panel.topic == STEERING) == first]
         if chosen:
-            send_chosen(out, path, t, often if first else seldom, _lines(out, chosen))
+            send_chosen(out, path, t, often if first else seldom, _lines(chosen))
 
 
-def _lines(out: Output, panels: list[Panel]):
+def _lines(panels: list[Panel]):
     """Columns of some plots for the rows of a mask."""
-    live = out.area is not None
 
     def rows(new):
         found = []
         for panel in panels:
             values = np.stack([series.values[new] for series in panel.series], axis=1)
-            name, kind = _component(panel, live)
-            parts = {name: values.astype(kind).ravel()}
+            parts = {panel.name: values.astype(np.float32).ravel()}
             columns = rr.DynamicArchetype.columns(archetype=_ARCHETYPE, components=parts)
             found += columns.partition([len(panel.series)] * len(values))
         return found
 
     return rows
-
-
-def _component(panel: Panel, live: bool) -> tuple[str, type]:
-    """Name of a panel's component, and the type of its numbers.
-
-    Half precision where steps of that would not be seen on the axis, else single. The name says
-    which, as a viewer that has two recordings open wants one type for one name.
-    """
-    values = np.concatenate([series.values for series in panel.series])
-    most = float(np.abs(values).max())
-    if not live and most * _FINEST < _SEEN * float(np.ptp(values)) and most < _LARGEST:
-        return f"{panel.name}_16", np.float16
-    return f"{panel.name}_32", np.float32
 
 
 def marked_line(panel: Panel) -> int | None:
@@ -89,7 +72,7 @@ def plot_view(panel: Panel, t: np.ndarray, axis: rr.TimeRange, live: bool) -> rr
     source = VisualizerComponentMapping(
         "Scalars:scalars",
         ComponentSourceKind.SourceComponent,
-        source_component=f"{_ARCHETYPE}:{_component(panel, live)[0]}",
+        source_component=f"{_ARCHETYPE}:{panel.name}",
     )
     path = _ENTITIES[panel.topic == STEERING]
     look = {} if live else _look(panel, t)

@@ -7,7 +7,7 @@ import rerun as rr
 
 from ship_gym.recording.rerun_export.log import Output, log, log_style
 from ship_gym.recording.rerun_export.rows import first_in_step, send_chosen
-from ship_gym.recording.surface import SHADES, Grid
+from ship_gym.recording.wave_grid import SHADES, Grid
 
 _PATH = "world/sea"
 _DEEP, _BRIGHT = np.array([14, 52, 92]), np.array([108, 168, 204])
@@ -38,11 +38,11 @@ def send_water(out: Output, grid: Grid, t: np.ndarray, points: np.ndarray, chose
 
     def pictures(new):
         rows = np.flatnonzero(new)
-        made = [grid.picture(t[row], points[row]) for row in rows]
+        heights, shades = grid.pictures(t[rows], points[rows, :2])
         corners = np.zeros((len(rows), len(grid.x), 3), dtype=np.float32)
         corners[..., 0], corners[..., 1] = grid.x, grid.y
-        corners[..., 2] = [-heights for heights, _ in made]
-        red, green, blue = np.moveaxis(_palette()[np.array([s for _, s in made])], -1, 0)
+        corners[..., 2] = -heights
+        red, green, blue = np.moveaxis(_palette()[shades], -1, 0)
         colors = red << 24 | green << 16 | blue << 8 | 0xFF
         columns = rr.Mesh3D.columns(
             vertex_positions=corners.reshape(-1, 3), vertex_colors=colors.ravel()

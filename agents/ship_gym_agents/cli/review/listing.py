@@ -181,7 +181,8 @@ def _text(
 ) -> str:
     """How many, what all have in common, the table, what is unreadable, what comes next."""
     bad = [run for run in runs if run.error]
-    counts = f"{len(kept)} of {len(runs)} runs" if len(kept) < len(runs) else f"{len(runs)} runs"
+    counts = f"{len(kept)} of " if len(kept) < len(runs) else ""
+    counts += f"{len(runs)} run{'s' if len(runs) > 1 else ''}"
     counts += (f", {len(bad)} unreadable" if bad else "") + left_out
     if not kept:
         return f"{counts}: none meets the conditions"

@@ -32,23 +32,25 @@ def command(as_json, file, at, out, light, size, painter) -> None:
     driver, be it one in software; else, and as a strip, it is what env.render draws.
     """
     from ship_gym_agents.cli.output import need, place, show
-    from ship_gym_agents.cli.review.files import recorded
+    from ship_gym_agents.cli.review.files import viewable
     from ship_gym_agents.cli.review.moments import said, time_of
 
     need("rerun")
     _check_together(at, light, painter)
     out = place(out, file.with_name(f"{file.name.partition('.rrd')[0]}.png"))
-    run = recorded(file)
+    run = viewable(file)
     moment, by, reason = None, "painter", ""
-    if at == STRIP:
+    if run is None:
+        moment, where = _of_comparison(file, at, painter)
+    elif at == STRIP:
         where = f"{_paint_strip(run, out)} moments"
     else:
         moment = time_of(run, at)
         where = said(run, moment)
-        if not painter:
-            by, reason = _shoot(file, run, out, moment, size, light)
-        if by == "painter":
-            _paint(run, out, moment)
+    if at != STRIP and not painter:
+        by, reason = _shoot(file, run, out, moment, size, light)
+    if at != STRIP and by == "painter":
+        _paint(run, out, moment)
     data = {"file": str(out), "recording": str(file), "time": moment, "by": by, "reason": reason}
     drawn_by = "rerun's viewer" if by == "rerun" else "the painter of env.render"
     text = f"{file} at {where}\nwrote {out}, drawn by {drawn_by}" + (
@@ -65,7 +67,17 @@ def _check_together(at, light: bool, painter: bool) -> None:
         raise ConfigError("--light: is of rerun's viewer; the painter has one look")
 
 
-def _shoot(file, run: Trajectory, out: Path, moment: float, size, light: bool) -> tuple[str, str]:
+def _of_comparison(file: Path, at, painter: bool) -> tuple[float | None, str]:
+    """Time of a comparison, in words, too; only the viewer draws one."""
+    from ship_gym.config import ConfigError
+
+    if painter or at == STRIP:
+        option = "--painter" if painter else "--at strip"
+        raise ConfigError(f"{option}: {file} is a comparison, which only rerun's viewer draws")
+    return (None, "its end") if at == WORST else (at, f"{at:.6g} s")
+
+
+def _shoot(file, run: Trajectory | None, out: Path, moment, size, light) -> tuple[str, str]:
     """Draw by rerun's viewer; who is to draw then, and why it is the painter."""
     from ship_gym.recording.rerun_export.viewer import NoViewer, screenshot
     from ship_gym_agents.cli.review.files import drawn
@@ -74,7 +86,7 @@ def _shoot(file, run: Trajectory, out: Path, moment: float, size, light: bool) -
         try:
             screenshot(path, out, moment, size, light)
         except NoViewer as error:
-            if light:
+            if light or run is None:
                 raise
             return "painter", str(error)
     return "rerun", ""

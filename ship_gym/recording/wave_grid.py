@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ship_gym.conventions import G
+from ship_gym.sea.surface import WAVE_ENTRIES, elevation
 
 SHADES = 12  # of the water, from trough to crest
 _ALONG, _ACROSS = 30, 8  # points along the main direction and across; long-crested: two across
@@ -24,30 +25,10 @@ _LEAST_REACH = 0.75  # [L]
 _SHORTEST = 3.0  # waves shorter than this many points are left out
 _PER_PERIOD = 3.3  # pictures in a mean period, but not more than one in _LEAST_STEP sqrt(L/g)
 _LEAST_STEP = 0.6
+_SHADE = 0.8  # share of all shades for a significant height up, and down
 _STEPS = 9.0  # height steps in a significant height
 _EDGE = 1.2  # flat edge of the grid, in halves of what moves
 _SPREAD = 0.02  # mean square of the directions' sines from which a sea is short-crested
-
-
-@dataclass(frozen=True)
-class Components:
-    """Regular waves of a sea, shapes (N,): zeta = sum a cos(omega t - k (x cos d + y sin d) + eps).
-
-    Amplitude [m], frequency [rad/s], wave number [1/m], direction to which they go, from north
-    [rad], phase [rad].
-    """
-
-    amplitude: np.ndarray
-    omega: np.ndarray
-    k: np.ndarray
-    direction_to: np.ndarray
-    phase: np.ndarray
-
-    def elevation(self, t: float, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height of the surface [m], upward, at time t [s] and places x north, y east [m]."""
-        cosine, sine = np.cos(self.direction_to), np.sin(self.direction_to)
-        along = np.multiply.outer(x, cosine) + np.multiply.outer(y, sine)
-        return np.cos(self.omega * t + self.phase - self.k * along) @ self.amplitude
 
 
 @dataclass(frozen=True)
@@ -64,8 +45,8 @@ class Grid:
         Indices, shape (T, 3), upper side up.
     rim, rim_triangles : numpy.ndarray
         Flat water from the edge on, shapes (8, 3) [m] and (8, 3).
-    components : Components or None
-        What moves it; None: flat water.
+    waves : mapping or None
+        What moves it, as ``sea.surface.elevation`` takes it; None: flat water.
     height : float
         Significant height of what it shows [m].
     step : float
@@ -78,30 +59,41 @@ class Grid:
     triangles: np.ndarray
     rim: np.ndarray
     rim_triangles: np.ndarray
-    components: Components | None
+    waves: Mapping[str, np.ndarray] | None
     height: float
     step: float
 
-    def picture(self, t: float, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Heights [m] in steps, and shades 0 to SHADES - 1, shapes (P,), about a place (x, y)."""
-        heights = np.zeros(len(self.x))
-        if self.components is not None:
-            x, y = self.x[self.inner] + place[0], self.y[self.inner] + place[1]
-            heights[self.inner] = self.components.elevation(t, x, y)
-        share = heights / max(self.height, 1e-9)
-        shades = np.clip(np.rint((0.5 + 0.8 * share) * (SHADES - 1)), 0, SHADES - 1)
+    def pictures(self, t: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Heights [m] in steps, and shades 0 to SHADES - 1, at some times about some places.
+
+        Parameters
+        ----------
+        t : numpy.ndarray
+            [s], shape (F,).
+        places : numpy.ndarray
+            North and east of the centre [m], shape (F, 2).
+
+        Returns
+        -------
+        heights, shades : numpy.ndarray
+            Shapes (F, P).
+        """
+        share = np.zeros((len(t), len(self.x)))
+        if self.waves is not None:
+            x, y = (line[self.inner] + place[:, None] for line, place in zip(
+                (self.x, self.y), places.T, strict=True))  # fmt: skip
+            share[:, self.inner] = elevation(self.waves, x, y, t[:, None]) / self.height
+        shades = np.clip(np.rint((0.5 + _SHADE * share) * (SHADES - 1)), 0, SHADES - 1)
         return np.rint(share * _STEPS) * (self.height / _STEPS), shades.astype(int)
 
 
-def components_of(meta: Mapping[str, Any]) -> Components | None:
-    """Waves of a recording: the entry ``waves`` of its meta; None: there are none, or unknown."""
+def _waves(meta: Mapping[str, Any]) -> dict[str, np.ndarray] | None:
+    """Waves of a recording; None: there are none, or unknown."""
     waves = meta.get("waves")
-    if not isinstance(waves, Mapping) or not waves.get("amplitude"):
+    if not isinstance(waves, Mapping) or not set(WAVE_ENTRIES) <= waves.keys():
         return None
-    names = Components.__dataclass_fields__
-    if not names.keys() <= waves.keys():
-        return None
-    return Components(*(np.asarray(waves[name], dtype=float) for name in names))
+    found = {name: np.asarray(waves[name], dtype=float) for name in WAVE_ENTRIES}
+    return found if found["amplitude"].any() else None
 
 
 def wave_grid(meta: Mapping[str, Any], length: float, far: float) -> Grid:
@@ -116,34 +108,27 @@ def wave_grid(meta: Mapping[str, Any], length: float, far: float) -> Grid:
     far : float
         Distance to which the water goes on, flat [m].
     """
-    waves = components_of(meta)
+    waves = _waves(meta)
     if waves is None:
         line = np.array([-2.0, -1.0, 1.0, 2.0]) * length
         return _grid(line, line, far, 0.0, None, 0.0, math.inf)
-    energy = waves.amplitude**2
-    sine, cosine = (energy @ f(waves.direction_to) for f in (np.sin, np.cos))
+    energy = waves["amplitude"] ** 2
+    sine, cosine = (energy @ f(waves["direction_to"]) for f in (np.sin, np.cos))
     main = math.atan2(sine, cosine)
-    aside = energy @ np.sin(waves.direction_to - main) ** 2 / energy.sum()
-    wave = 2.0 * math.pi * energy.sum() / (energy @ waves.k)
+    aside = energy @ np.sin(waves["direction_to"] - main) ** 2 / energy.sum()
+    wave = 2.0 * math.pi * energy.sum() / (energy @ waves["k"])
     half = float(np.clip(_WAVES_SEEN * wave, _LEAST_REACH * length, _REACH * length))
     if aside < _SPREAD:
         along, across = _ALONG, 2
     else:
         along, across = _MOST_POINTS // _ACROSS, _ACROSS
-    period = 2.0 * math.pi * energy.sum() / (energy @ waves.omega)
-    kept = 2.0 * math.pi / waves.k >= _SHORTEST * 2.0 * half / (along - 1)
-    waves = Components(*(getattr(waves, name)[kept] for name in Components.__dataclass_fields__))
+    period = 2.0 * math.pi * energy.sum() / (energy @ waves["omega"])
+    kept = 2.0 * math.pi / waves["k"] >= _SHORTEST * 2.0 * half / (along - 1)
+    waves = {name: values[kept] for name, values in waves.items()}
     step = max(period / _PER_PERIOD, _LEAST_STEP * math.sqrt(length / G))
-    height = 4.0 * math.sqrt(0.5 * float(waves.amplitude @ waves.amplitude))
-    return _grid(
-        _line(half, along),
-        _line(half, across),
-        far,
-        main,
-        waves if height > 0.0 else None,
-        height,
-        step,
-    )
+    height = 4.0 * math.sqrt(0.5 * float(waves["amplitude"] @ waves["amplitude"]))
+    lines = _line(half, along), _line(half, across)
+    return _grid(*lines, far, main, waves if height > 0.0 else None, height, step)
 
 
 def _line(half: float, count: int) -> np.ndarray:
