@@ -11,6 +11,7 @@ import numpy as np
 from ship_gym.conventions import wrap_angle
 from ship_gym.physics._kernel import in_python
 from ship_gym.physics.propeller import shaft_power
+from ship_gym.recording.surroundings import speed_through_water
 from ship_gym.recording.task_error import DEGREE, section, steps, task_error, worst_row
 from ship_gym.recording.turns import is_manoeuvre, turn_marks
 
@@ -152,7 +153,7 @@ def _beyond(trajectory: Trajectory) -> Iterator[tuple[str, np.ndarray]]:
     if corridor is not None and "off_route" in columns:
         yield f"outside the corridor of {corridor:.3g} m", np.abs(columns["off_route"]) > corridor
     if {"u", "v", "psi"} <= columns.keys() and ship.get("speed"):
-        slow = _speed(columns) < _SLOW * ship["speed"]
+        slow = speed_through_water(columns) < _SLOW * ship["speed"]
         yield "slower through the water than half the nominal speed", slow
     if "n" in columns and ship.get("n_max"):
         yield "propeller at its largest speed", np.abs(columns["n"]) >= AT_LIMIT * ship["n_max"]
@@ -251,10 +252,3 @@ def _end(trajectory: Trajectory) -> Mark:
     else:
         text = f"{outcome}: the episode has failed" if meta.get("failed") else str(outcome)
     return Mark(time, "end", text)
-
-
-def _speed(columns: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Speed through the water [m/s], shape (T,); over ground where no current is recorded."""
-    flow = columns.get("current_speed", 0.0)
-    angle = columns.get("current_direction_to", 0.0) - columns["psi"]
-    return np.hypot(columns["u"] - flow * np.cos(angle), columns["v"] - flow * np.sin(angle))

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from ship_gym.recording.task_error import section
 
 if TYPE_CHECKING:
@@ -49,11 +51,18 @@ def surroundings(trajectory: Trajectory, row: int = 0) -> Surroundings:
     return Surroundings(*waves[:3], *wind, speed, to, waves[3])
 
 
+def speed_through_water(columns: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Speed through the water [m/s], shape (T,); over ground where no current is recorded."""
+    flow = columns.get("current_speed", 0.0)
+    angle = columns.get("current_direction_to", 0.0) - columns["psi"]
+    return np.hypot(columns["u"] - flow * np.cos(angle), columns["v"] - flow * np.sin(angle))
+
+
 def waves_of(meta: Mapping[str, Any]) -> tuple[float | None, float | None, float, bool]:
     """Height, period, direction, and whether it is a regular wave.
 
     An episode has them in its ``sea``, a manoeuvre in its config. Energies of several systems add
-    up; the period is that of the highest.
+    up; period and direction are those of the highest.
     """
     sea, made = section(meta, "sea"), section(meta, "config", "sea")
     if "wave_height" in sea:
@@ -64,7 +73,8 @@ def waves_of(meta: Mapping[str, Any]) -> tuple[float | None, float | None, float
         return 2.0 * regular["amplitude"], 2.0 * math.pi / regular["omega"], to, True
     if systems := made.get("waves"):
         height = math.hypot(*(system["height"] for system in systems))
-        return height, max(systems, key=lambda one: one["height"])["peak_period"], to, False
+        highest = max(systems, key=lambda one: one["height"])
+        return height, highest["peak_period"], to + highest.get("direction", 0.0), False
     return 0.0 if "waves" in made else None, None, 0.0, False
 
 

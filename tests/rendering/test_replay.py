@@ -32,22 +32,15 @@ def recorded(controller: str, scenario: str, overrides: dict, seed: int = 3) -> 
     return found.trajectory(0)
 
 
-def with_limits(trajectory: Trajectory) -> Trajectory:
-    """With the limits in the meta, as recordings of today have them."""
-    given, L = trajectory.meta["config"]["limits"], trajectory.meta["ship"]["L"]
-    found = {k: z if k.endswith("_deg") else z * L for k, z in given.items() if z is not None}
-    return Trajectory(trajectory.columns, {"limits": found} | trajectory.meta)
-
-
 @pytest.fixture(scope="module")
 def run() -> Trajectory:
-    return with_limits(recorded(*CASES["waves"]))
+    return recorded(*CASES["waves"])
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_frame_is_what_the_environment_showed(case):
     controller, scenario, overrides = CASES[case]
-    trajectory = with_limits(recorded(controller, scenario, overrides))
+    trajectory = recorded(controller, scenario, overrides)
     env = ShipEnv(scenario=scenario, overrides=overrides, render_mode="rgb_array")
     steered = make_controller(controller)
     observation, _ = env.reset(seed=3)

@@ -21,13 +21,14 @@ import rerun as rr
 from rerun.chunk import Chunk, RrdReader
 from rerun.error_utils import RerunWarning
 
-from ship_gym.provenance import atomic_path
+from ship_gym.provenance import DiskFull, atomic_path
 from ship_gym.recording.rerun_export.log import TIMELINE, Output
 from ship_gym.recording.rerun_export.picture import send_picture
 from ship_gym.recording.sealed import DamagedRecording, seal, verify
 from ship_gym.recording.trajectory import Trajectory
 
 _FORMAT = 2  # of /record; a reader refuses what it does not know
+COMPARISON = "/comparison"  # entity of a file that has no record, see `compare`
 _PIECE = 200  # rows that go together; each piece costs some 3 kB
 # Prefixes keep our names apart from rerun's own, and from each other: within one process rerun
 # remembers the type of every component name.
@@ -60,6 +61,8 @@ def write_rrd(trajectory: Trajectory, path: str | os.PathLike, *, picture: bool 
             temporary.write_bytes(data)
             if temporary.read_bytes() != data:
                 raise OSError("the file does not hold what was written")
+    except DiskFull:  # names the file already
+        raise
     except OSError as error:
         why = error.strerror or str(error)
         raise OSError(f"{path}: the recording could not be written: {why}") from error
@@ -173,6 +176,8 @@ def _decoded(chunks: list[Chunk], path: str | os.PathLike, complete: bool):
 
 def _head(chunks: list[Chunk], path: str | os.PathLike) -> dict:
     heads = [chunk for chunk in chunks if chunk.entity_path == "/record/meta"]
+    if not heads and any(chunk.entity_path == COMPARISON for chunk in chunks):
+        raise DamagedRecording(f"{path} is a comparison of runs, which has no record of its own")
     if not heads:
         raise DamagedRecording(f"{path} is a rerun file, but not a recording of Ship Gym")
     head = json.loads(heads[0].to_record_batch().column(f"{_HEAD}:json")[0][0].as_py())
