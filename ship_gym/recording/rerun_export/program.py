@@ -41,10 +41,16 @@ class Program:
         Where it listens.
     environment : mapping
         Beside that of this process.
+    detached : bool
+        Whether it stays when this process is interrupted.
     """
 
     def __init__(
-        self, arguments: Sequence[str], port: int, environment: Mapping[str, str] | None = None
+        self,
+        arguments: Sequence[str],
+        port: int,
+        environment: Mapping[str, str] | None = None,
+        detached: bool = False,
     ):
         self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self._log = Path(self._folder.name) / "log"
@@ -56,6 +62,7 @@ class Program:
                 stdout=log,
                 stderr=log,
                 env=os.environ | _QUIET | dict(environment or {}),
+                start_new_session=detached,
             )
 
     def until(self, ready: Callable[[], Any]) -> Any:
