@@ -31,8 +31,8 @@ from ship_gym.recording.rerun_export.rows import changes, send_chosen, shown_row
 from ship_gym.recording.rerun_export.rrd_file import COMPARISON, read_chunks
 from ship_gym.recording.rerun_export.water import send_water
 from ship_gym.recording.sealed import DamagedRecording, seal
-from ship_gym.recording.surface import wave_grid
 from ship_gym.recording.trajectory import Trajectory
+from ship_gym.recording.wave_grid import wave_grid
 
 _FORMAT, _HEAD = 1, "ShipGymComparison"
 _GRID, _TICK, _ROUTE = (62, 78, 96), (160, 172, 184), (206, 160, 80)
