@@ -96,14 +96,14 @@ def _begins(original: Trajectory, read: Trajectory) -> bool:
     )
 
 
-def killed(folder: str, run: Trajectory, share: float) -> str:
-    """What a recording leaves that is killed after a share of its time."""
+def killed(folder: str, run: Trajectory, row: int, after: float) -> str:
+    """What a recording leaves that is killed some time [s] after it was given so many rows."""
     path, told = Path(folder) / "run.rrd", _SPAWN.Value("q", 0)
     child = _SPAWN.Process(target=_records, args=(str(path), run, told))
     child.start()
-    while told.value == 0 and child.is_alive():
+    while told.value < row and child.is_alive():
         time.sleep(0.001)
-    time.sleep(share * _PACE)
+    time.sleep(after)
     child.kill()
     child.join()
     found = _left(path, run, told.value)

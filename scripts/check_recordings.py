@@ -77,15 +77,20 @@ def _checked(args, folder: Path) -> dict[str, Counter]:
             "flips of a journal": each(harm(flipped, journal, bits[1]), "journal"),
             "cuts": each(harm(cut, file, rng.integers(0, size, args.cuts)), "cuts"),
         }
-        # Some moments are after the last row, while the file is written.
-        shares = rng.uniform(0.0, 1.4, args.kills)
-        kills = [lambda s=s: killed(_new(folder), sailed, s) for s in shares]
+        kills = [lambda m=m: killed(_new(folder), sailed, *m) for m in _moments(rng, args, sailed)]
         found["kills"] = each(kills, "kills")
         found["full disk"] = Counter(_full(apart, sailed, folder))
         found["read-only folder"] = Counter([_read_only(sailed, folder)])
     finally:
         apart.close()
     return found
+
+
+def _moments(rng, args, sailed) -> Iterator[tuple[int, float]]:
+    """Rows and seconds after which to kill, by turns under way and while the file is written."""
+    for k in range(args.kills):
+        row, longest = (len(sailed), 1.0) if k % 2 else (int(rng.integers(1, len(sailed))), 0.02)
+        yield row, rng.uniform(0.0, longest)
 
 
 def _episode():

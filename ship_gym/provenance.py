@@ -78,16 +78,18 @@ class DiskFull(OSError):
         return str(self.args[1])
 
 
-def no_space(error: BaseException) -> str:
-    """What a full disk, a quota or a limit of file sizes said; empty if none of them caused this.
+def causes(error: BaseException | None) -> Iterator[BaseException]:
+    """An error and those behind it: libraries hide one of the system behind one of their own."""
+    while error is not None:
+        yield error
+        error = error.__cause__ or (None if error.__suppress_context__ else error.__context__)
 
-    Libraries may hide the error of the system behind one of their own, as its cause or context.
-    """
-    seen: BaseException | None = error
-    while seen is not None:
-        if isinstance(seen, OSError) and seen.errno in _FULL:
-            return os.strerror(seen.errno).lower()
-        seen = seen.__cause__ or (None if seen.__suppress_context__ else seen.__context__)
+
+def no_space(error: BaseException) -> str:
+    """What a full disk, a quota or a limit of file sizes said; empty if none caused the error."""
+    for one in causes(error):
+        if isinstance(one, OSError) and one.errno in _FULL:
+            return os.strerror(one.errno).lower()
     return ""
 
 

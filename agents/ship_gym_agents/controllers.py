@@ -6,12 +6,14 @@ names those without training; `make_controller` also loads the others.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError, check_known
 from ship_gym.evaluation.controller import ConstantController, Controller
+from ship_gym.own_files import split
 from ship_gym.ships import load_ship
 from ship_gym_agents.adaptive import Adaptive
 from ship_gym_agents.autopilot import Autopilot
@@ -71,10 +73,10 @@ def make_controller(name_or_path: str | Path) -> Controller:
     """
     name, path = str(name_or_path), Path(name_or_path)
     if is_own(name):
-        return own_controller(name)
+        return _of_file(own_controller(name), split(name)[0])
     if path.suffix == ".toml":
         kind = controller_class(kind_of(path))
-        return kind(load_gains(path, kind).gains, name=path.stem)
+        return _of_file(kind(load_gains(path, kind).gains, name=path.stem), path)
     if "@" in name and not path.exists():
         return _with_gains_of(*name.rsplit("@", 1))
     if (file := shipped_file(name)) or (name not in CONTROLLERS and path.exists()):
@@ -87,6 +89,14 @@ def make_controller(name_or_path: str | Path) -> Controller:
     if path.suffix or len(path.parts) > 1:
         raise ConfigError(f"{name}: no such policy; train one with: ship-gym train")
     return CONTROLLERS[check_known("controller", name, [*CONTROLLERS, *pretrained()])]()
+
+
+def _of_file(controller: Controller, file: Path) -> Controller:
+    """A controller that says which file decides what it does, as a policy does (`file`)."""
+    if not hasattr(controller, "file"):
+        with contextlib.suppress(AttributeError):  # one of slots has no room for it
+            controller.file = file
+    return controller
 
 
 def controller_class(name: str) -> type:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ship_gym.config import ConfigError
+from ship_gym.envs.registration import load_task
 from ship_gym.evaluation import rollout
 from ship_gym.evaluation.report import Episode
 from ship_gym.recording.trajectory import Trajectory
@@ -12,6 +13,8 @@ from ship_gym_agents.controllers import make_controller
 def sail_again(episode: Episode) -> Trajectory | None:
     """The episode as a recording; None where a name or file of it is not known any more."""
     try:
+        if episode.task:
+            load_task(episode.task)
         controller = make_controller(episode.controller)
         env = {"ship": episode.ship, "control": episode.control}
         sailed = rollout(controller, episode.scenario, seeds=[episode.seed], **env)

@@ -99,6 +99,8 @@ class EpisodeLog:
     def _follow(self, places: np.ndarray) -> None:
         """The places that sail from now on, and for how many intervals there is room for all."""
         self._active = places
+        one = len(places) == 1
+        self._one = (places.item(), self._ships[places].item()) if one else None
         self._left = self._rows - int(self.lengths[places].max(initial=0))
 
     def before(self) -> None:
@@ -118,7 +120,7 @@ class EpisodeLog:
             at, of = self._at
             for kept, now in self._ends:
                 kept[at] = now[of]
-            self.lengths[self._active] += 1
+            self.lengths[self._active if self._one is None else self._one[0]] += 1
             self._left -= 1
 
     def _where(self) -> tuple[Any, Any]:
@@ -126,10 +128,11 @@ class EpisodeLog:
 
         Plain numbers and slices where they do: numpy takes a tenth of the time.
         """
+        if self._one is not None:
+            place, ship = self._one
+            return (self.lengths.item(place), place), ship
         places = self._active
         rows, ships = self.lengths[places], self._ships[places]
-        if len(places) == 1:
-            return (rows.item(), places.item()), ships.item()
         if len(places) == len(self._ships) == self.batch.n and (rows == rows[0]).all():
             if (places == ships).all() and (places[1:] > places[:-1]).all():
                 return rows.item(0), slice(None)

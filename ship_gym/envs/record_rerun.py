@@ -30,7 +30,11 @@ class RecordRerun(gym.Wrapper, RecordConstructorArgs):
     folder is overwritten. An episode that is reset before its end is written as "cut short"; one
     that has not ended when the environment is closed keeps its ``.partial``.
 
-    What it costs: see the numbers at `RecordRerunVector`.
+    What it costs, on one core of a 2.3 GHz server: an interval of 7.0 us takes 12.7 us with its
+    rows in memory, 22 us streamed, 7.5 us while another episode is waited for. The end of an
+    episode of 600 intervals takes 11 ms to write without `picture`, 60 ms with it. An interval of
+    64 ships in one batch, 109 us, takes 132 us with one of them streamed, 139 us with all in
+    memory, 630 us with all streamed; rows in memory are half a kilobyte.
 
     Parameters
     ----------

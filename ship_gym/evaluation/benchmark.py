@@ -10,12 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.config import check_number
+from ship_gym.envs.registration import load_task
 from ship_gym.evaluation.engines import engine_of
 from ship_gym.evaluation.episodes_table import Results, arrow, table_of, write_results
 from ship_gym.evaluation.plan import PATIENCE, Plan, Progress, plan
 from ship_gym.evaluation.run_folder import RunFolder
 from ship_gym.evaluation.unit import Entrant, Sailed
+from ship_gym.evaluation.worst_recordings import record_worst
 from ship_gym.provenance import provenance
+from ship_gym.recording.trajectory import import_rerun_export
 from ship_gym.reports.speed import machine
 
 
@@ -34,6 +37,7 @@ def benchmark(
     patience: float = PATIENCE,
     progress: Progress | None = None,
     command: str = "",
+    record: bool = False,
 ) -> Results:
     """Sail controllers in the scenarios of suites and keep one row for each episode.
 
@@ -67,6 +71,9 @@ def benchmark(
         ``progress(iterable, description, total)``.
     command : str
         Kept with the results.
+    record : bool
+        Record the worst episode of each controller in each cell into the folder, see
+        ``worst_recordings``; ``about["recordings"]`` of the results says where.
 
     Raises
     ------
@@ -78,6 +85,8 @@ def benchmark(
     jobs = int(check_number("jobs", jobs, 1, 1024))
     sail = engine_of(engine, jobs, address)
     arrow()  # refuses before the work
+    if record:
+        import_rerun_export()
     made = plan(
         suite, entrant, controllers=controllers, ships=ships, seeds=seeds, patience=patience,
         progress=progress,
@@ -110,6 +119,10 @@ def benchmark(
         }
         results = Results(table_of(row for one in found.values() for row in one.rows), about)
         write_results(folder.episodes, results)
+        if record:  # the table is safe by now
+            made_files = record_worst(list(units.values()), found, folder.path, jobs, progress)
+            results.about["recordings"] = made_files
+            write_results(folder.episodes, results)
     return results
 
 
@@ -123,6 +136,7 @@ def _about(made: Plan, sailed: Iterable[Sailed], command: str) -> dict[str, Any]
                 "sha256": suite.sha256,
                 "scenarios": [entry.name for entry in suite.scenario],
                 "controls": {e.name: e.control for e in suite.scenario if e.control},
+                "tasks": {load_task(file).name: file for file in suite.tasks},
             }
             for suite in made.suites
         },

@@ -77,6 +77,19 @@ def chosen(
     return order[:count] if which == "best" else order[::-1][:count]
 
 
+def deciding(name: str, columns: Mapping[str, Sequence[float | None]]) -> str:
+    """The metric that decides: `name`, or the return if no episode has a value of it.
+
+    Parameters
+    ----------
+    name : str
+    columns : mapping
+        Metric to its values, shapes (n,); ``return`` is among them.
+    """
+    known = any(value is not None and not math.isnan(value) for value in columns[name])
+    return name if known else "return"
+
+
 def extremes(
     seeds: Sequence[int],
     values: Sequence[float | None],

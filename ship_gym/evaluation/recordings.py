@@ -97,8 +97,12 @@ def sail(
 
 
 def _sail(controller: Controller, seeds: Sequence[int], files: Sequence[Path], how: dict) -> list:
-    sailed = rollout(controller, seeds=seeds, **how)
-    return [keep(sailed.trajectory(i), file) for i, file in enumerate(files)]
+    streamed = {i: file for i, file in enumerate(files) if file.suffix.lower() == RERUN}
+    sailed = rollout(controller, seeds=seeds, record=streamed, **how)
+    return [
+        (checked if i in streamed else keep)(sailed.trajectory(i), file)
+        for i, file in enumerate(files)
+    ]
 
 
 def keep(trajectory: Trajectory, file: str | os.PathLike) -> Recording:

@@ -17,6 +17,7 @@ from ship_gym.provenance import atomic_path, locked
 
 EPISODES = "episodes.parquet"
 REPORT = "report.html"
+RECORDINGS = "episodes"  # folder of recorded episodes
 _SETTINGS, _LOCK, _UNITS = "settings.json", ".lock", "units"
 
 
@@ -92,7 +93,8 @@ class RunFolder:
 
     def _clear(self) -> None:
         """Remove the files of a run, and nothing else."""
-        for file in (*self._units.glob("*.json"), self.path / _SETTINGS, self.episodes):
+        kept = (*self._units.glob("*.json"), *(self.path / RECORDINGS).glob("*.rrd*"))
+        for file in (*kept, self.path / _SETTINGS, self.episodes):
             file.unlink(missing_ok=True)
 
     def keep(self, number: int, sailed: Sailed) -> None:

@@ -10,6 +10,7 @@ compiled the plain way: the same numbers, slower.
 from __future__ import annotations
 
 import functools
+import warnings
 from typing import Any
 
 from ship_gym.physics._cache import one_at_a_time
@@ -99,7 +100,8 @@ def keep_code(function: Any) -> Any:
     Loading does without what numba imports in order to compile: half of the time to the first step
     of a process for which all is kept. Saving is for one process at a time: two that compile a
     function for other types at once would take the same file (numba reads the index, adds to it and
-    writes it), and one would later run the code of the other.
+    writes it), and one would later run the code of the other. Code that cannot be saved, as on a
+    full disk, serves this process all the same.
     """
     cache = getattr(function, "_cache", None)
     if not (WORKS and hasattr(cache, "_load_overload") and hasattr(cache, "cache_path")):
@@ -111,8 +113,13 @@ def keep_code(function: Any) -> Any:
             return cache._load_overload(signature, context)
 
     def save_overload(signature, made):
-        with one_at_a_time(cache.cache_path):
-            save(signature, made)
+        try:
+            with one_at_a_time(cache.cache_path):
+                save(signature, made)
+        except OSError as error:
+            text = f"compiled code cannot be kept in {cache.cache_path}, so that others wait again"
+            warnings.warn(f"{text}: {error}", RuntimeWarning, stacklevel=2)
+            return
         saved.append(function.py_func.__qualname__)
 
     cache.load_overload, cache.save_overload = load_overload, save_overload

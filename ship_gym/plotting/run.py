@@ -38,8 +38,10 @@ def plot_run(trajectory: Trajectory, path: str | os.PathLike) -> None:
             _plot(axes, trajectory["t"], panel, found)
         for axes in places.T.ravel()[len(panels) :]:
             axes.set_visible(False)
-        for axes in places[-1]:
-            axes.set_xlabel("time [s]")
+        for column in places.T:
+            last = [axes for axes in column if axes.get_visible()][-1]
+            last.set_xlabel("time [s]")
+            last.tick_params(labelbottom=True)
 
 
 def _details(trajectory: Trajectory) -> str:
@@ -59,7 +61,7 @@ def _plot(axes: Axes, t: np.ndarray, panel: Panel, found: Sequence[Mark]) -> Non
         axes.axvline(mark.time, linestyle=DASHED, zorder=0.5, **style)
     axes.set_title(panel.title)
     if len(panel.series) > 1:
-        axes.legend(loc="best", ncols=min(len(panel.series), 4))
+        axes.legend(loc="upper right", ncols=3, frameon=True, framealpha=0.8, edgecolor="none")
 
 
 def _on_white(color: tuple[int, int, int]) -> tuple[float, ...]:

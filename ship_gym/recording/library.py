@@ -134,6 +134,8 @@ def recordings(places: Iterable[str | os.PathLike]) -> list[Path]:
 def read(path: str | os.PathLike) -> Run:
     """What a file says of its run, all of it verified; a bad file is a Run with `error`.
 
+    A comparison of recordings is a Run, too, without a duration.
+
     Raises
     ------
     ImportError
@@ -143,10 +145,23 @@ def read(path: str | os.PathLike) -> Run:
     try:
         trajectory = Trajectory.from_file(path)
     except (ValueError, OSError) as error:
+        if is_comparison(path):
+            return Run(path, {"kind": "comparison"}, complete=True)
         text = " ".join(str(error).split()).removeprefix(str(path)).lstrip(": ")
         return Run(path, error=text or type(error).__name__)
     t = trajectory["t"]
     return Run(path, trajectory.meta, float(t[-1] - t[0]), trajectory.complete)
+
+
+def is_comparison(path: str | os.PathLike) -> bool:
+    """Whether a file is a whole one that `write_comparison` wrote."""
+    from ship_gym.recording.rerun_export.compare import read_comparison
+
+    try:
+        read_comparison(path)
+    except (ValueError, OSError):
+        return False
+    return True
 
 
 def metric_names(runs: Sequence[Run]) -> list[str]:

@@ -17,6 +17,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from ship_gym.config import ConfigError
+
 _MAGIC, _HEADER = b"RRF2", 12
 _KIND = struct.Struct("<QQ")  # kind and length of a message
 _END = 0  # kind of what rerun closes a stream with: the manifest, which only remote stores need
@@ -28,7 +30,7 @@ _DIGEST = 32
 _SEAL = len(_FIELD) + _SIZES.size + _DIGEST
 
 
-class DamagedRecording(ValueError):
+class DamagedRecording(ConfigError):  # which every verb says in one line
     """A recording that is not as it was written; the message names the file and the byte."""
 
 

@@ -13,6 +13,7 @@ import os
 from collections.abc import Sequence
 from html import escape
 from typing import TypeAlias
+from urllib.parse import quote
 
 from ship_gym.provenance import atomic_path
 from ship_gym.text import paragraph, table
@@ -115,11 +116,14 @@ class Cell:
         Anchor on the same page; empty: none.
     mark : str
         ``"better"``, ``"worse"`` or nothing: a colour, so the text must say it too.
+    file : str
+        File beside the page that it leads to, a relative path; empty: none.
     """
 
     text: str
     to: str = ""
     mark: str = ""
+    file: str = ""
 
     def __str__(self) -> str:
         return self.text
@@ -130,6 +134,8 @@ class Cell:
             raise ValueError(f"cell {self.text!r}: mark {self.mark!r} is not better or worse")
         text = escape(self.text)
         text = f'<span class="{self.mark}">{text}</span>' if self.mark else text
+        if self.file:
+            return f'<a href="{escape(quote(self.file))}">{text}</a>'
         return f'<a href="#{escape(self.to)}">{text}</a>' if self.to else text
 
 

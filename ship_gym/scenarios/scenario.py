@@ -134,7 +134,7 @@ def check_task(task: Task) -> None:
     named = f"task {task.name!r}"
     if task.name not in TASKS.own() and (_FOLDER / f"{task.name}.toml").exists():
         raise ConfigError(f"{named}: a scenario of the package has that name; choose another")
-    taken = {field.name for field in dataclasses.fields(Scenario)}
+    taken = {field.name for field in dataclasses.fields(Scenario)} | set(dir(Scenario))
     _refuse_taken(f"{named}: section", task.sections, taken, "a key of every scenario")
     costs, terms = [term.name for term in COSTS], [term.name for term in task.terms]
     _refuse_taken(f"{named}: term", terms, costs, "a cost term of every task")

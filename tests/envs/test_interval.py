@@ -33,7 +33,7 @@ def begun(n=1, overrides=None, **options):
 
 def sail(episodes, rudder=0.0):
     """One interval of all ships; what the loop returns."""
-    episodes._actions[:] = rudder
+    episodes.actions[:] = rudder
     return episodes._loops.interval(0, episodes.n)
 
 

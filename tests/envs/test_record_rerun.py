@@ -166,6 +166,59 @@ def test_a_vector_environment_records_each_episode_of_each_environment(tmp_path,
         assert t.meta["metrics"] == alone.meta["metrics"]
 
 
+def test_ships_of_a_mixed_fleet_are_recorded_each_as_alone(tmp_path):
+    """Another ship by chance in each episode; one propeller beside two has no port side."""
+    given = {"scenario": "heading_unknown_ship", "overrides": SHORT}
+    env = RecordRerunVector(ShipVectorEnv(4, ship=["kcs", "onrt"], **given), tmp_path, **FAST)
+    env.reset(seed=30)
+    for _ in range(12):
+        env.step(np.zeros((4, 1), np.float32))
+    env.close()
+    about = {"controller", "episode", "environment"}
+    for i, file in enumerate(env.files):
+        found, ship = Trajectory.from_rrd(file), ("kcs", "onrt")[i % 2]
+        alone = rollout(ConstantController(), seeds=[30 + i], ship=ship, **given).trajectory(0)
+        assert ("thrust_port" in found) == (ship == "onrt")
+        assert found.meta["randomisation"] and found.meta["scenario"] == "heading_unknown_ship"
+        # the scenario of a fleet names the first of its ships
+        same(found, alone, about | ({"config", "overrides"} if ship == "onrt" else set()))
+
+
+def test_options_of_a_reset_are_in_the_recording(tmp_path):
+    env = ShipEnv(overrides=SHORT, record={"folder": tmp_path, **FAST})
+    env.reset(seed=3, options={"heading_error_deg": 4.0, "position": (10.0, -5.0)})
+    with pytest.raises(ConfigError, match="speed"):
+        env.reset(options={"speed": 99.0})  # refused: the episode goes on
+    for _ in range(12):
+        env.step(np.zeros(1))
+    env.close()
+    (file,) = tmp_path.iterdir()
+    t = Trajectory.from_rrd(file)
+    assert t.meta["reset_options"] == {"heading_error_deg": 4.0, "position": [10.0, -5.0]}
+    assert (t["x"][0], t["y"][0]) == (10.0, -5.0) and len(t) == 13
+
+
+def test_a_ship_that_diverges_is_recorded_as_in_a_rollout(tmp_path):
+    wild = {"randomisation.surrogate_std": 10.0, "limits.heading_error_deg": 180.0}
+    env = {"ship": "onrt", "control": "rudder+rpm", "overrides": wild | {"duration": 60.0}}
+
+    class HardOver(ConstantController):
+        def act(self, observations):
+            return np.ones((len(observations), 2))
+
+    sailed = rollout(HardOver(), seeds=range(40), **env)
+    lost = [i for i, name in enumerate(sailed.outcomes) if name == 1][:2]
+    assert lost
+    for i in lost:
+        one = ShipEnv(record={"folder": tmp_path, **FAST}, **env)
+        one.reset(seed=i)
+        while not one.step(np.ones(2))[2]:
+            pass
+        one.close()
+        (file,) = tmp_path.glob(f"*seed-{i}.rrd")
+        same(Trajectory.from_rrd(file), sailed.trajectory(i), {"controller", "episode"})
+
+
 def test_the_vector_wrapper_keeps_the_worst_of_all_environments(tmp_path):
     env = RecordRerunVector(
         ShipVectorEnv(4, overrides=SHORT), tmp_path, keep="worst", by="max_error", **FAST

@@ -253,3 +253,19 @@ def test_a_lock_lets_errors_through_and_is_free_afterwards(tmp_path):
         raise OSError("disk full")
     with _cache.one_at_a_time(str(tmp_path / "new")):
         pass
+
+
+@pytest.mark.slow
+@posix
+def test_code_that_a_full_disk_cannot_keep_serves_its_process(tmp_path):
+    (tmp_path / "adding.py").write_text("import resource\n" + SAVER.replace(
+        "import numpy as np\n",
+        "import numpy as np\nresource.setrlimit(resource.RLIMIT_FSIZE, (0, -1))\n",
+    ))  # fmt: skip
+    env = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    env.pop("NUMBA_DISABLE_JIT", None)
+    command = [sys.executable, str(tmp_path / "adding.py"), "f8"]
+    done = subprocess.run(command, env=env, capture_output=True, text=True)
+    assert done.stdout.split() == ["3.0", "0"], done.stderr
+    assert "compiled code cannot be kept in" in done.stderr and "File too large" in done.stderr
+    assert not [path for path in (tmp_path / "cache").rglob("*.nbc") if path.stat().st_size]

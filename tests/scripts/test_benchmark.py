@@ -1,8 +1,11 @@
 import json
+import shlex
 
 import pytest
 
+from ship_gym.evaluation import metrics, read_results
 from ship_gym.evaluation.run_folder import RunFolder
+from ship_gym.recording import Trajectory
 from tests.evaluation.benchmarking import write_suite
 
 pytest.importorskip("pyarrow")
@@ -33,6 +36,67 @@ def test_benchmark_prints_scores_and_what_comes_next(small, tmp_path):
     assert "8 units, 8 of them kept from before" in out
     assert "raises: " in out and "interval 17: ValueError: to starboard" in out
     assert "wrote runs/benchmark/episodes.parquet" in out and "next: ship-gym record" in out
+
+
+def test_the_next_line_records_exactly_the_worst_episode(small, cli):
+    pytest.importorskip("rerun")
+    code, out, err = small(
+        "--seeds", 3, "--controllers", "pid", "heading_kcs", "--no-report", "--json"
+    )
+    assert code == 0, err
+    following = shlex.split(json.loads(out)["next"])
+    code, out, err = cli(*following[1:], "--json")
+    assert code == 0, err
+    again = json.loads(out)
+    found = read_results("runs/benchmark").rows()
+    cell = {(row["scenario"], row["ship"]): row for row in found}
+    first = [r for r in found if (r["scenario"], r["ship"]) == next(iter(cell))]
+    worst = max((r for r in first if r["controller"] != "constant"), key=lambda r: r["value"])
+    assert (again["controller"], again["seed"]) == (worst["controller"], worst["seed"])
+    assert again["metrics"] == {name: worst[name] for name in again["metrics"]}
+
+
+def test_the_worst_episode_of_each_controller_is_recorded_and_linked(small, tmp_path):
+    pytest.importorskip("rerun")
+    names = ("--controllers", "pid", "own.py:Good", "own.py:Raises", "own.py:Reset")
+    code, out, err = small("--seeds", 3, *names, "--record", "--json")
+    assert code == 0, err
+    found = json.loads(out)
+    assert found["next"] == "ship-gym review list runs/benchmark/episodes"
+    told, rows = found["about"]["recordings"], read_results("runs/benchmark").rows()
+    assert told["errors"] == told["differing"] == []
+    page = (tmp_path / "runs/benchmark/report.html").read_text()
+    sailed = set()
+    for scenario, ships in told["files"]["small"].items():
+        for controller, file in ships["kcs"].items():
+            kept = Trajectory.from_rrd(tmp_path / "runs/benchmark" / file)
+            of = [r for r in rows if (r["scenario"], r["controller"]) == (scenario, controller)]
+            of = [row for row in of if not row["error"]]
+            by = "value" if scenario == "heading_calm" else "return"  # 60 s are all turn
+            sign = 1.0 if by == "value" else -1.0
+            worst = max(of, key=lambda row: (row["failed"], sign * row[by], row["seed"]))
+            assert (kept.meta["seed"], kept.meta["controller"]) == (worst["seed"], controller)
+            assert metrics(kept) == {name: worst[name] for name in metrics(kept)}
+            assert (f'<a href="{file}">{worst["seed"]}: ' in page) == (by == "value")
+            sailed.add((scenario, controller))
+    steer = {(r["scenario"], r["controller"]) for r in rows if not r["error"]}
+    assert sailed == {pair for pair in steer if pair[1] != "constant"} and len(sailed) >= 5
+
+
+def test_recordings_that_are_there_are_kept_and_fresh_removes_them(small, tmp_path):
+    pytest.importorskip("rerun")
+    given = ("--seeds", 2, "--controllers", "pid", "--no-report")
+    assert small(*given)[0] == 0
+    code, out, _ = small(*given, "--record")
+    files = sorted((tmp_path / "runs/benchmark/episodes").iterdir())
+    assert code == 0 and "wrote 2 recordings of worst episodes in runs/benchmark/episodes" in out
+    assert [file.name for file in files] == [file.name for file in files if "-pid-2" in file.name]
+    made = [file.stat().st_mtime_ns for file in files]
+    files[0].unlink()
+    assert small(*given, "--record")[0] == 0
+    assert files[0].is_file() and files[1].stat().st_mtime_ns == made[1]
+    assert small(*given, "--fresh")[0] == 0
+    assert not any(file.exists() for file in files)
 
 
 def test_other_settings_in_the_folder_are_one_line(small):

@@ -2,6 +2,9 @@
 
 import json
 import shlex
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -10,6 +13,8 @@ from ship_gym_agents.controllers import make_controller
 from ship_gym.evaluation import evaluation_seeds, metrics, rollout
 from ship_gym.recording import Trajectory
 from ship_gym.scenarios import load_scenario
+
+from .conftest import SCRIPTS
 
 SHORT = ("--set", "duration=20")
 
@@ -140,6 +145,45 @@ def B():
     made.name = "my-law"
     return made
 """
+
+
+_ENDS = """
+import os
+import signal
+
+from ship_gym.evaluation.controller import ConstantController
+
+
+class Ends(ConstantController):
+    k = 0
+
+    def act(self, observations):
+        self.k += 1
+        if self.k == 91:
+            os.kill(os.getpid(), signal.{})
+        return super().act(observations)
+"""
+
+
+@pytest.mark.parametrize("by", ["SIGKILL", "SIGINT"])
+def test_what_was_sailed_before_it_was_killed_can_be_read(tmp_path, by):
+    pytest.importorskip("rerun")
+    (tmp_path / "own.py").write_text(_ENDS.format(by))
+    call = [sys.executable, str(SCRIPTS / "record.py"), "--controller", "own.py:Ends"]
+    call += ["--seeds", "7..8", "--out", "rec"]
+    ended = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True)
+    files = sorted((tmp_path / "rec").iterdir())
+    assert [file.name for file in files] == [f"constant-{k}.rrd.partial" for k in (7, 8)]
+    for file in files:
+        kept = Trajectory.from_file(file)
+        assert not kept.complete and kept.meta["seed"] in (7, 8)
+        # 90 intervals of 1 s sailed: all rows, or all but those of the last chunk of 16
+        assert len(kept) >= (90 if by == "SIGINT" else 90 - 16)
+    if by == "SIGINT":
+        assert ended.returncode == 2 and ended.stderr.strip().count("\n") == 0
+        assert "rec/constant-7.rrd.partial, rec/constant-8.rrd.partial" in ended.stderr
+    else:
+        assert ended.returncode == -signal.SIGKILL
 
 
 def run_next(cli, command):

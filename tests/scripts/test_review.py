@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -75,6 +76,26 @@ sys.exit(", ".join({{'numpy', 'gymnasium', 'ship_gym', 'rerun'}} & set(sys.modul
 
 
 @pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("ship-gym review pic", ["plain,picture"]),
+        ("ship-gym review list --wor", ["plain,--worst"]),
+        ("ship-gym review picture a.rrd --at s", ["plain,strip"]),
+        ("ship-gym review show ru", ["file,ru"]),
+    ],
+)
+def test_completion_knows_the_verbs(monkeypatch, capsys, words, expected):
+    from ship_gym_agents.cli import main
+
+    monkeypatch.setenv("_SHIP_GYM_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", words)
+    monkeypatch.setenv("COMP_CWORD", str(len(words.split()) - 1))
+    with pytest.raises(SystemExit):
+        main([])
+    assert capsys.readouterr().out.split() == expected
+
+
+@pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["lst"], ["unknown verb 'lst'", "did you mean 'list'"]),
@@ -106,6 +127,24 @@ def test_refusals_are_one_line_and_leave_nothing(cli, tmp_path, arguments, words
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert all(word in err for word in words), err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="needs /proc of Linux")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["picture", "a.rrd", "--out", "/proc/a.png"],
+        ["compare", "a.rrd", "b.rrd", "--out", "/proc/c.rrd"],
+        ["compare", "a.rrd", "b.rrd", "--picture", "/proc/c.png"],
+        ["export", "a.rrd", "--out", "/proc/a.csv"],
+        ["export", "a.rrd", "b.rrd", "--format", "png", "--out", "/proc"],
+        ["export", "/proc/a.rrd", "--format", "csv"],
+        ["picture", "/proc/a.rrd"],
+    ],
+)
+def test_places_that_cannot_be_written_are_refused_before_a_file_is_read(cli, arguments):
+    code, out, err = cli("review", *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1) and "cannot write into /proc: " in err
 
 
 def test_list_has_a_row_for_every_file(cli, folder):
@@ -185,7 +224,7 @@ def test_a_stored_metric_that_the_columns_do_not_give_is_an_error(cli, sailed, t
 
 @pytest.mark.parametrize("arguments", [["metrics"], ["show", "--web"], ["picture"], ["export"]])
 def test_damaged_files_are_refused(cli, folder, arguments, monkeypatch):
-    monkeypatch.setattr(viewer, "_start", None)  # no viewer sees it
+    monkeypatch.setattr(viewer, "Program", None)  # no viewer sees it
     more = ["--format", "csv"] if arguments == ["export"] else []
     before = sorted(path.name for path in folder.iterdir())
     code, out, err = cli("review", *arguments, "runs/bad.rrd", *more)
@@ -257,3 +296,89 @@ def test_export_writes_tables_and_plots(cli, folder, sailed, tmp_path):
     pytest.importorskip("matplotlib")
     code, _, err = cli("review", "export", "runs/pid_1000001.rrd", "--format", "png")
     assert code == 0 and (folder / "pid_1000001.png").stat().st_size > 20_000, err
+
+
+def test_pictures_are_painted_where_the_viewer_cannot_run(cli, folder, sailed, monkeypatch):
+    Image = pytest.importorskip("PIL.Image")
+
+    def refused(*_):
+        raise viewer.NoViewer("no graphics driver")
+
+    monkeypatch.setattr(viewer, "screenshot", refused)
+    file = "runs/pid_1000001.rrd"
+    code, out, err = cli("review", "picture", file, "--at", "12.5")
+    assert code == 0 and f"{file} at 12.5 s\n" in out, err
+    assert "wrote runs/pid_1000001.png, drawn by the painter of env.render: no graphics" in out
+    at_a_time = Image.open(folder / "pid_1000001.png").convert("RGB").tobytes()
+    found = json.loads(cli("review", "picture", file, "--json", "--painter")[1])
+    assert (found["by"], found["reason"], found["file"]) == (
+        "painter",
+        "",
+        f"{folder.name}/pid_1000001.png",
+    )
+    assert Image.open(folder / "pid_1000001.png").convert("RGB").tobytes() != at_a_time
+    code, out, err = cli("review", "picture", file, "--at", "strip", "--out", "strip.png")
+    assert code == 0 and "moments\nwrote strip.png, drawn by the painter" in out, err
+    code, out, err = cli("review", "picture", file, "--light", "--out", "light.png")
+    assert (code, out, err) == (2, "", "error: no graphics driver\n")
+    code, out, err = cli("review", "picture", file, "--at", "700")
+    assert code == 2 and "--at = 700.0: allowed is 0 to 200 [s]" in err
+
+
+def test_pictures_are_of_the_viewer_where_it_can_run(cli, folder, sailed, monkeypatch):
+    seen = []
+    monkeypatch.setattr(viewer, "screenshot", lambda *given: seen.append(given))
+    arguments = ["--out", "a.png", "--size", "800x600", "--light"]
+    code, out, err = cli("review", "picture", "runs/killed.rrd.partial", *arguments)
+    assert code == 0 and "wrote a.png, drawn by rerun's viewer\n" in out, err
+    path, out, time, size, light = seen[0]
+    assert path.name == "0-killed.rrd" and (str(out), size, light) == ("a.png", (800, 600), True)
+    assert time == sailed[0]["t"][-1]  # its two columns tell of no worse moment
+
+
+def test_videos_are_of_the_painter(cli, folder, monkeypatch):
+    pytest.importorskip("av")
+    from ship_gym.rendering import replay
+
+    seen = []
+    monkeypatch.setattr(replay, "write_video", lambda run, path, progress: seen.append(str(path)))
+    code, out, err = cli("review", "export", "runs/pid_1000001.rrd", "--format", "mp4")
+    assert code == 0 and seen == ["runs/pid_1000001.mp4"] and seen[0] in out, err
+
+
+def test_compare_puts_runs_side_by_side(cli, folder, sailed, monkeypatch):
+    names = ["runs/pid_1000001.rrd", "runs/constant_1000001.rrd"]
+    shots = []
+    monkeypatch.setattr(viewer, "screenshot", lambda *given: shots.append(given))
+    arguments = ["--out", "runs/both.rrd", "--picture", "both.png"]
+    code, out, err = cli("review", "compare", *names, *arguments, "--json")
+    assert code == 0, err
+    found = json.loads(out)
+    assert found["files"] == ["runs/both.rrd", "both.png"] and len(shots) == 1
+    pid, constant = (one.meta["metrics"] for one in (sailed[0], sailed[2]))
+    first, second = found["recordings"]
+    assert (first["name"], second["name"]) == ("pid", "constant")
+    assert second["metrics"] == constant
+    assert second["differences"]["J_1"] == constant["J_1"] - pid["J_1"]
+    assert "less pid" in cli("review", "compare", *names, "--out", "runs/both.rrd")[1]
+    rows = json.loads(cli("review", "list", "runs", "--where", "kind==comparison", "--json")[1])
+    assert [row["file"] for row in rows["runs"]] == ["runs/both.rrd"]
+    seen = []
+    monkeypatch.setattr(viewer, "has_screen", lambda: True)
+    monkeypatch.setattr(viewer, "show", lambda *paths, moment=None: seen.append((paths, moment)))
+    assert cli("review", "show", "runs/both.rrd")[0] == 0
+    assert [(str(path), moment) for (path,), moment in seen] == [("runs/both.rrd", None)]
+    assert cli("review", "picture", "runs/both.rrd", "--at", "30")[0] == 0
+    assert (shots[-1][1].name, shots[-1][2]) == ("both.png", 30.0)
+    assert "is a comparison" in cli("review", "picture", "runs/both.rrd", "--painter")[2]
+    whole = bytearray((folder / "both.rrd").read_bytes())
+    whole[5000] ^= 1
+    (folder / "both.rrd").write_bytes(whole)
+    code, out, err = cli("review", "show", "runs/both.rrd")
+    assert (code, out, len(seen)) == (2, "", 1) and "runs/both.rrd" in err
+
+
+def test_runs_of_different_tasks_are_not_compared(cli, folder):
+    code, out, err = cli("review", "compare", "runs/pid_1000001.rrd", "runs/turn.rrd")
+    assert (code, out, err.count("\n")) == (2, "", 1) and "different task" in err
+    assert not (folder / "compare.rrd").exists()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +56,11 @@ from ship_gym_agents.cli.values import Name, Number, OutFolder, whole
     default=True,
     help="Go on where a run in --out was, or remove it and begin anew.",
 )
+@click.option(
+    "--record",
+    is_flag=True,
+    help="Record the worst episode of each controller in each cell into --out/episodes.",
+)
 @click.option("--report/--no-report", default=True, help="Write report.html beside the results.")
 @click.option(
     "--trials",
@@ -62,7 +68,7 @@ from ship_gym_agents.cli.values import Name, Number, OutFolder, whole
     help="Folder of measured time histories for the suite manoeuvres; default: "
     "../shared/reference beside a checkout, where it has them.",
 )
-def command(as_json, suites, resume, report, trials, **options) -> None:
+def command(as_json, suites, resume, record, report, trials, **options) -> None:
     """Sail suites of scenarios with several ships and controllers; score them.
 
     Each unit of 16 episodes that is finished is kept in --out: interrupted or killed, the same
@@ -72,7 +78,7 @@ def command(as_json, suites, resume, report, trials, **options) -> None:
     """
     from ship_gym_agents.cli.output import need, next_command, progress, show
 
-    need("pyarrow", "matplotlib")
+    need("pyarrow", "matplotlib", *(["rerun"] if record else []))
     from ship_gym.evaluation import benchmark
     from ship_gym.evaluation.report import judge, write_report
     from ship_gym.evaluation.run_folder import EPISODES, REPORT
@@ -80,7 +86,7 @@ def command(as_json, suites, resume, report, trials, **options) -> None:
     from ship_gym_agents.cli.manoeuvres import sail_suites, split
     from ship_gym_agents.entrants import distinct, entrant
 
-    again = _again(suites, options | {"trials": trials})
+    again = _again(suites, options | {"trials": trials}) + (" --record" if record else "")
     suites, hulls = split(suites, trials)
     if not suites:
         moved = sail_suites(hulls, report=report, command=again, **options)
@@ -90,7 +96,13 @@ def command(as_json, suites, resume, report, trials, **options) -> None:
     named = lambda text: entrant(text, shown.get(text))  # noqa: E731
     try:
         results = benchmark(
-            list(suites), named, fresh=not resume, progress=progress, command=again, **options
+            list(suites),
+            named,
+            fresh=not resume,
+            progress=progress,
+            command=again,
+            record=record,
+            **options,
         )
     except KeyboardInterrupt as stop:
         raise KeyboardInterrupt(f"{stop}: {again}") from None
@@ -102,8 +114,9 @@ def command(as_json, suites, resume, report, trials, **options) -> None:
         bar = lambda episodes: progress(episodes, "pictures")  # noqa: E731
         write_report(judged, files[-1], sail=sail_again, progress=bar)
     scores = summary(results, judged)
-    following = _worst(results) or next_command("evaluate")
-    text = [as_text(scores, results), "", *(f"wrote {file}" for file in files), _how(results)]
+    following = _next(judged, options["out"] if record else None) or next_command("evaluate")
+    text = [as_text(scores, results), "", *(f"wrote {file}" for file in files)]
+    text += [*_recorded(results, options["out"]), _how(results)]
     found = {"scores": scores, "about": results.about, "next": following}
     if hulls.suites:
         moved = sail_suites(hulls, report=report, command=again, **options)
@@ -134,19 +147,33 @@ def _how(results: Any) -> str:
     )
 
 
-def _worst(results: Any) -> str | None:
-    """The command that records the worst episode of a controller that steers."""
-    from ship_gym.evaluation.metrics import all_metrics
-    from ship_gym.evaluation.suite import ALWAYS
+def _recorded(results: Any, out: Path) -> list[str]:
+    """What became of the recordings, a line each; none without them."""
+    from ship_gym.evaluation.run_folder import RECORDINGS
+
+    made = results.about.get("recordings")
+    if made is None:
+        return []
+    count = sum(
+        len(of) for suite in made["files"].values() for c in suite.values() for of in c.values()
+    )
+    lines = [f"wrote {count} recordings of worst episodes in {out / RECORDINGS}"]
+    lines += [f"not recorded: {text}" for text in made["errors"]]
+    return lines + [
+        f"{text}: sailed again it was another episode; does it draw at random?"
+        for text in made["differing"]
+    ]
+
+
+def _next(judged: Any, recorded: Path | None) -> str | None:
+    """The command that shows the recordings, or records the worst episode of the first cell."""
+    from ship_gym.evaluation.report.episodes import episode, worst_of
+    from ship_gym.evaluation.run_folder import RECORDINGS
     from ship_gym_agents.cli.output import next_command
 
-    rows = [r for r in results.rows() if r["value"] is not None and r["controller"] != ALWAYS]
-    if not rows:
-        return None
-    first = rows[0]
-    same = [row for row in rows if all(row[k] == first[k] for k in ("scenario", "ship"))]
-    lower = all_metrics()[first["measure"]].better == "lower"
-    worst = (max if lower else min)(same, key=lambda row: row["value"])
-    named = results.about["controllers"][worst["controller"]]["named"]
-    where = {name: worst[name] for name in ("scenario", "ship", "seed")}
-    return next_command("record", controller=named, **where)
+    if recorded is not None:
+        return f"{next_command('review')} list {shlex.quote(str(recorded / RECORDINGS))}"
+    for event in judged.events:
+        if worst := worst_of(event):
+            return episode(judged, event, *worst).command
+    return None

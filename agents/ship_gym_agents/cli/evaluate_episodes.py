@@ -99,10 +99,10 @@ def recorded(
 def _decides(sailed: Any, episodes: Episodes) -> tuple[str, str]:
     """The metric that decides, and which values of it are better."""
     from ship_gym.evaluation import metrics_of
+    from ship_gym.evaluation.choice import deciding
 
     name = sailed.task.headline
-    if all(value is None for one in episodes.values() for value in one[name]):
-        name = "return"
+    name = deciding(name, {name: [value for one in episodes.values() for value in one[name]]})
     return name, metrics_of(sailed.task.name)[name].better
 
 

@@ -24,6 +24,7 @@ _EXTRAS = {
     "pyarrow": ("benchmark", "results of a benchmark"),
     "capytaine": ("bem", "wave tables"),
     "joblib": ("bem", "wave tables"),
+    "av": ("video", "videos"),
     "stable_baselines3": ("rl", "training"),
     "torch": ("rl", "training"),
     "onnx": ("onnx", "ONNX files"),
@@ -63,9 +64,12 @@ def _thread_ended(ended: Any, usual: Callable[[Any], Any]) -> None:
 def _in_words(error: Exception) -> str:
     """An error that a user can mend, in words; empty for one that only a programmer can."""
     from ship_gym.config import ConfigError  # late: it imports Gymnasium
-    from ship_gym.provenance import DiskFull, no_space
+    from ship_gym.provenance import DiskFull, causes, no_space
 
-    if not isinstance(error, DiskFull) and (reason := no_space(error)):
+    for full in causes(error):
+        if isinstance(full, DiskFull):
+            return str(full)
+    if reason := no_space(error):
         where = getattr(error, "filename", None)
         return f"{where}: {reason}" if where else f"{reason}; what was being written is not whole"
     return str(error) if isinstance(error, ConfigError | ImportError | OSError) else ""

@@ -118,9 +118,15 @@ def _record(
 
 def _all(controller: Any, plan: _Plan) -> list:
     from ship_gym.evaluation.recordings import sail
+    from ship_gym.recording.journal import journal_path
 
     files = [plan.places.of(controller.name, seed) for seed in plan.seeds]
-    return sail(controller, plan.seeds, files, progress=_bar(controller), **plan.env)
+    try:
+        return sail(controller, plan.seeds, files, progress=_bar(controller), **plan.env)
+    except KeyboardInterrupt:
+        left = [str(path) for path in map(journal_path, files) if path.exists()]
+        where = f": the rows so far are in {', '.join(left)}" if left else ""
+        raise KeyboardInterrupt(f"interrupted{where}") from None
 
 
 def _some(controller: Any, plan: _Plan, by: str, better: str) -> list[tuple[Any, str]]:

@@ -48,10 +48,19 @@ class Places:
         Of `OutRecordings`; default: `ONE` for one, `MANY` for several.
     several : bool
         Whether there can be more than one: their names then say controller and seed.
+
+    Raises
+    ------
+    ConfigError
+        Nothing can be written at the default; `OutRecordings` has tried the other places.
     """
 
     def __init__(self, out: Path | None, several: bool):
-        self._out = Path(MANY if several else ONE) if out is None else out
+        from ship_gym.provenance import check_place
+
+        if out is None:
+            out = check_place(MANY if several else ONE, "--out", folder=several)
+        self._out = out
         self._several = several
         self.folder = self._out if self._is_folder else self._out.parent
         self.suffix = FORMATS[0] if self._is_folder else self._out.suffix.lower()

@@ -66,6 +66,9 @@ class Training:
         unit (where more is better, takes from it); 0: the score alone decides.
     ships : tuple of str
         Ships that are sailed in training, in turn over the environments; none: the scenario's.
+    record : int
+        Record the worst episode of every so many validations into ``episodes`` of the run's folder,
+        where the last five are kept; 0: none. Needs rerun-sdk.
     """
 
     envs: int
@@ -79,8 +82,10 @@ class Training:
     overrides: dict[str, Any] = dataclasses.field(default_factory=dict)
     wear: float = 0.0
     ships: tuple[str, ...] = ()
+    record: int = 10
 
     def __post_init__(self):
+        check_number("training.record", self.record, 0, 1000)
         check_number("training.envs", self.envs, 1, 100_000)
         check_number("training.episode", self.episode, 0.0, 1e6, "s")
         check_number("training.gamma", self.gamma, 0.0, 1.0)

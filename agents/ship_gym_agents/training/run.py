@@ -21,6 +21,7 @@ from ship_gym_agents.policies.policy_file import POLICY_FILE, load_policy, save_
 from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, check_free, is_config_of, plain
 from ship_gym_agents.training.budget import Budget
 from ship_gym_agents.training.curves import write_curve
+from ship_gym_agents.training.recordings import Recordings
 from ship_gym_agents.training.run_folder import CURVE_FILE, TrainingFolder
 from ship_gym_agents.training.score import Validation, score_of, validate
 
@@ -76,6 +77,7 @@ class Run:
     ):
         Budget(minutes, steps)  # refused before anything is written
         self.config, self.folder, self._report = config, folder, report
+        self._recordings = Recordings(folder.path, config.hyperparameters.training.record)
         state = self._earlier(resume)
         self.checkpoint = folder.checkpoint() if state else None
         self.samples = state["samples"] if state else 0
@@ -112,6 +114,7 @@ class Run:
         state = self.folder.state()
         if state is None:
             self.folder.clear()
+            self._recordings.clear()
         return state
 
     @property
@@ -156,10 +159,10 @@ class Run:
             limit = self._sail(base, self.seeds).means["rudder_travel"]
         self.score = self.score._replace(limit=float(limit) if limit else None)
 
-    def _sail(self, controller: Any, seeds: list[int]) -> Validation:
+    def _sail(self, controller: Any, seeds: list[int], worst: bool = False) -> Validation:
         """Validation episodes with all ships of the training."""
         ships = self.config.hyperparameters.training.ships
-        return validate(controller, self.config.scenario, seeds, self.score, ships)
+        return validate(controller, self.config.scenario, seeds, self.score, ships, worst)
 
     @property
     def seeds(self) -> list[int]:
@@ -236,7 +239,11 @@ class Run:
 
     def _validate(self, policy: Any, learner: dict[str, float]) -> dict[str, Any]:
         """Sail the validation episodes; keep the policy if it is the best so far."""
-        sailed = self._sail(policy, self.seeds)
+        number = len(self.validations) + 1
+        recorded = self._recordings.due(number)
+        sailed = self._sail(policy, self.seeds, recorded)
+        if recorded:
+            self._recordings.keep(number, sailed.worst)
         self._cost = sailed.seconds
         self._validated += sailed.seconds
         found = {**sailed.means, **learner, "samples": self.samples}

@@ -8,9 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ship_gym.evaluation.choice import deciding, ranked
 from ship_gym.evaluation.controller import Controller
 from ship_gym.evaluation.metrics import metrics, metrics_of
-from ship_gym.evaluation.rollout import rollout
+from ship_gym.evaluation.rollout import Rollout, rollout
+from ship_gym.recording.trajectory import Trajectory
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.tasks import TASKS
 
@@ -77,11 +79,20 @@ def score_of(scenario: Scenario, wear: float = 0.0) -> Score:
 
 
 class Validation(NamedTuple):
-    """Sailed validation episodes: means, values of each episode, and how long it took [s]."""
+    """Sailed validation episodes: means, values of each episode, and how long it took [s].
+
+    Attributes
+    ----------
+    means, each : dict
+    seconds : float
+    worst : Trajectory or None
+        The worst episode, if it was asked for; None also where none could be judged.
+    """
 
     means: dict[str, float | None]
     each: dict[str, list[float | None]]
     seconds: float
+    worst: Trajectory | None = None
 
 
 def validate(
@@ -90,11 +101,19 @@ def validate(
     seeds: Sequence[int],
     score: Score | None = None,
     ships: Sequence[str] = (),
+    worst: bool = False,
 ) -> Validation:
     """Sail one episode per seed; with `ships` these take turns, so each counts as much.
 
     Episodes that failed count as their metric says (``tasks.measures``); those without a value of
     one are left out of its mean.
+
+    Parameters
+    ----------
+    policy, scenario, seeds, score, ships
+    worst : bool
+        Give the worst episode too: of those that failed, else by the score's measure, where no
+        episode has a value of that by the return.
 
     Returns
     -------
@@ -106,14 +125,30 @@ def validate(
     score = score_of(scenario) if score is None else score
     # One thread: threads that wait for each other on a shared machine are slower than none.
     found: list[Any] = [None] * len(seeds)
+    sailed: list[Any] = [None] * len(seeds)
     for k, ship in enumerate(ships or (None,)):
         own = slice(k, None, len(ships) or 1)
         if seeds[own]:
-            sailed = rollout(policy, scenario, seeds=seeds[own], ship=ship, parallel=False)
-            found[own] = [metrics(episode) for episode in sailed.episodes]
+            one = rollout(policy, scenario, seeds=seeds[own], ship=ship, parallel=False)
+            found[own] = [metrics(episode) for episode in one.episodes]
+            sailed[own] = [(one, i) for i in range(len(one))]
     columns = {n: [row[n] for row in found] for n in dict.fromkeys((score.name, *_BESIDE))}
     means = {name: _mean(column) for name, column in columns.items()}
-    return Validation(means, columns, time.monotonic() - began)
+    shown = _worst(scenario.task, score.name, columns, sailed) if worst else None
+    return Validation(means, columns, time.monotonic() - began, shown)
+
+
+def _worst(
+    task: str, name: str, columns: dict[str, list], sailed: Sequence[tuple[Rollout, int]]
+) -> Trajectory | None:
+    """The worst of the episodes, each given as its rollout and its number in that."""
+    by = deciding(name, columns)
+    failed = [bool(one.failed[i]) for one, i in sailed]
+    order = ranked(columns[by], metrics_of(task)[by].better, failed)
+    if not order:
+        return None
+    one, i = sailed[order[-1]]
+    return one.trajectory(i)
 
 
 def _mean(column: Sequence[float | None]) -> float | None:

@@ -11,11 +11,11 @@ import numpy as np
 from ship_gym.evaluation import choice
 from ship_gym.evaluation.report import words
 from ship_gym.evaluation.report.benchmark import Benchmark
-from ship_gym.evaluation.report.events import Event, Run, slug
+from ship_gym.evaluation.report.events import NOTHING, Event, Run, slug
 from ship_gym.plotting.benchmark_episode import plot_episode
 from ship_gym.plotting.figure import for_page
 from ship_gym.recording.trajectory import Trajectory
-from ship_gym.reports.page import Block, Command, Grid, Picture, Row
+from ship_gym.reports.page import Block, Cell, Command, Grid, Picture, Row
 
 WHICH = choice.EXTREMES
 
@@ -68,6 +68,19 @@ def extremes(event: Event, run: Run) -> dict[str, int]:
     return {which: one["seed"] for which, one in found.items()}
 
 
+def worst_of(event: Event) -> tuple[str, int] | None:
+    """Controller and seed of the worst episode of an event, not of the one that does nothing."""
+    found = [
+        (name, seeds["worst"])
+        for name, run in event.runs.items()
+        if name != NOTHING and (seeds := extremes(event, run))
+    ]
+    at = [event.runs[name].at(np.array([seed]), key)[0]
+          for key in ("value", "failed") for name, seed in found]  # fmt: skip
+    order = choice.ranked(at[: len(found)], event.metric.better, at[len(found) :])
+    return found[order[-1]] if order else None
+
+
 def episode(found: Benchmark, event: Event, controller: str, seed: int) -> Episode:
     """An episode of an event, with the names that what sails it again needs."""
     named = found.about.get("controllers", {}).get(controller, {}).get("named", controller)
@@ -75,6 +88,14 @@ def episode(found: Benchmark, event: Event, controller: str, seed: int) -> Episo
     control = suite.get("controls", {}).get(event.scenario)
     task = suite.get("tasks", {}).get(event.task)
     return Episode(event.scenario, event.ship, named, seed, control, task)
+
+
+def recording(found: Benchmark, event: Event, controller: str) -> str | None:
+    """File of the worst episode, from the folder of the run, where the benchmark recorded it."""
+    files = found.about.get("recordings", {}).get("files", {})
+    for key in (event.suite, event.scenario, event.ship):
+        files = files.get(key, {})
+    return files.get(controller)
 
 
 def blocks(found: Benchmark, event: Event) -> list[Block]:
@@ -85,10 +106,15 @@ def blocks(found: Benchmark, event: Event) -> list[Block]:
         if not seeds:
             continue
         value = dict(zip(run.seeds.tolist(), run.values.tolist(), strict=True))
-        rows.append([name, *(f"{seed}: {words.number(value[seed])}" for seed in seeds.values())])
+        cells = {w: f"{seed}: {words.number(value[seed])}" for w, seed in seeds.items()}
+        if file := recording(found, event, name):
+            cells["worst"] = Cell(cells["worst"], file=file)
+        rows.append([name, *cells.values()])
         for which, seed in seeds.items():
             commands.append(f"{episode(found, event, name, seed).command}  # {which}")
     caption = f"seed: {event.measure} [{event.metric.unit}]"
+    if any(isinstance(row[-1], Cell) for row in rows):
+        caption += "; the worst as a recording: ship-gym review show FILE"
     return [Grid(caption, ["controller", *WHICH], rows), Command("\n".join(commands))]
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from ship_gym.evaluation.report import against, background, episodes, leaderboard, scenarios, words
 from ship_gym.evaluation.report.benchmark import Benchmark, Results, judge
+from ship_gym.evaluation.run_folder import RECORDINGS
 from ship_gym.reports.markdown_page import write_markdown_page
 from ship_gym.reports.page import Command, Section, Text, write_page
 
@@ -40,6 +42,9 @@ def write_report(
         Wraps what takes long, such as a bar.
     """
     found = results if isinstance(results, Benchmark) else judge(results)
+    if not (Path(path).parent / RECORDINGS).is_dir():  # no files that links could lead to
+        about = {key: told for key, told in found.about.items() if key != "recordings"}
+        found = dataclasses.replace(found, about=about)
     drawn = episodes.pictures(found, sail, pictures, progress) if sail else {}
     parts = [
         leaderboard.leaderboard(found),

@@ -21,7 +21,7 @@ import rerun as rr
 from rerun.chunk import Chunk, RrdReader
 from rerun.error_utils import RerunWarning
 
-from ship_gym.provenance import atomic_path
+from ship_gym.provenance import DiskFull, atomic_path
 from ship_gym.recording.rerun_export.log import TIMELINE, Output
 from ship_gym.recording.rerun_export.picture import send_picture
 from ship_gym.recording.sealed import DamagedRecording, seal, verify
@@ -61,6 +61,8 @@ def write_rrd(trajectory: Trajectory, path: str | os.PathLike, *, picture: bool 
             temporary.write_bytes(data)
             if temporary.read_bytes() != data:
                 raise OSError("the file does not hold what was written")
+    except DiskFull:  # names the file already
+        raise
     except OSError as error:
         why = error.strerror or str(error)
         raise OSError(f"{path}: the recording could not be written: {why}") from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -33,9 +34,10 @@ def command(as_json, files, out, task, picture, shown) -> None:
     aligned in time, the differences plotted, the others as ghost ships.
     """
     from ship_gym.config import ConfigError
+    from ship_gym.recording.comparison import labels
     from ship_gym.recording.trajectory import import_rerun_export
     from ship_gym_agents.cli.output import need, place, progress, show
-    from ship_gym_agents.cli.review.files import labels, recorded
+    from ship_gym_agents.cli.review.files import recorded
     from ship_gym_agents.cli.review.metrics import measured
     from ship_gym_agents.cli.review.show import check_screen
     from ship_gym_agents.cli.sailing import own_task
@@ -50,37 +52,36 @@ def command(as_json, files, out, task, picture, shown) -> None:
         check_screen([out])
     runs = [recorded(path) for path in progress(files, "reading")]
     values = [measured(run, path).metrics for run, path in zip(runs, files, strict=True)]
-    names = labels(runs, files)
-    _write(runs, out, picture)
-    data = {
-        "recordings": [
-            {
-                "file": str(path),
-                "name": name,
-                "metrics": found,
-                "differences": _less(found, values[0]),
-            }
-            for path, name, found in zip(files, names, values, strict=True)
-        ],
-        "files": [str(path) for path in (out, picture) if path],
-    }
-    show(as_json, data, _text(runs, names, values, data["files"], out))
+    names = labels(runs)
+    _write(runs, names, out, picture)
+    written = [str(path) for path in (out, picture) if path]
+    rows = zip(files, names, values, strict=True)
+    data = {"recordings": [_row(*row, values[0]) for row in rows], "files": written}
+    show(as_json, data, _text(runs, names, values, written, out))
     if shown:
-        from ship_gym.recording.rerun_export.viewer import show as open_window
-
-        open_window(out)
+        _open(out)
 
 
-def _write(runs: Sequence[Trajectory], out, picture) -> None:
+def _write(runs: Sequence[Trajectory], names: Sequence[str], out: Path, picture: Path | None):
     """The recording of all, and its picture at the worst moment of the first."""
-    from ship_gym.recording.rerun_export.compare import write_comparison
-
     from ship_gym.recording.marks import worst_moment
+    from ship_gym.recording.rerun_export.compare import write_comparison
     from ship_gym.recording.rerun_export.viewer import screenshot
 
-    write_comparison(runs, out)
+    write_comparison(runs, out, names)
     if picture:
-        screenshot(out, picture, worst_moment(runs[0]))
+        screenshot(out, picture, worst_moment(runs[0]) - float(runs[0]["t"][0]))
+
+
+def _open(out: Path) -> None:
+    from ship_gym.recording.rerun_export.viewer import show
+
+    show(out)
+
+
+def _row(path: Path, name: str, found: dict[str, Any], first: dict[str, Any]) -> dict[str, Any]:
+    differences = _less(found, first)
+    return {"file": str(path), "name": name, "metrics": found, "differences": differences}
 
 
 def _less(found: dict[str, Any], first: dict[str, Any]) -> dict[str, float]:

@@ -107,8 +107,9 @@ def _png(run: Trajectory, path: Path) -> None:
 
 def _mp4(run: Trajectory, path: Path) -> None:
     from ship_gym.rendering.replay import write_video
+    from ship_gym_agents.cli.output import progress
 
-    write_video(run, path)
+    write_video(run, path, progress=progress)
 
 
 FORMATS: dict[str, Callable[[Trajectory, Path], None]] = {
@@ -117,4 +118,4 @@ FORMATS: dict[str, Callable[[Trajectory, Path], None]] = {
     "png": _png,
     "mp4": _mp4,
 }
-_NEEDED = {"parquet": ("pyarrow",), "png": ("matplotlib",)}
+_NEEDED = {"parquet": ("pyarrow",), "png": ("matplotlib",), "mp4": ("av",)}

@@ -14,8 +14,6 @@ import click
 if TYPE_CHECKING:
     from ship_gym.recording import Trajectory
 
-_JOURNAL = ".partial"
-
 
 def files(**how: Any):
     """Argument FILE..., recordings and journals."""
@@ -35,30 +33,30 @@ def recorded(path: Path) -> Trajectory:
         raise ConfigError(text if str(path) in text else f"{path}: {text}") from None
 
 
+def viewable(path: Path) -> Trajectory | None:
+    """The run in a file, or None of a comparison of recordings; both verified."""
+    from ship_gym.config import ConfigError
+    from ship_gym.recording.library import is_comparison
+
+    try:
+        return recorded(path)
+    except ConfigError:
+        if is_comparison(path):
+            return None
+        raise
+
+
 @contextlib.contextmanager
-def drawn(paths: Sequence[Path], runs: Sequence[Trajectory]) -> Iterator[list[Path]]:
-    """Files that a viewer opens; a journal is drawn into a temporary one."""
+def drawn(paths: Sequence[Path], runs: Sequence[Trajectory | None]) -> Iterator[list[Path]]:
+    """Files that a viewer opens; a journal or a file that was cut is drawn into a temporary one."""
     with tempfile.TemporaryDirectory(prefix="ship-gym-") as folder:
         found = []
         for number, (path, run) in enumerate(zip(paths, runs, strict=True)):
-            if path.suffix == _JOURNAL:
-                path = Path(folder) / f"{number}-{path.name.removesuffix(_JOURNAL)}"
+            if run is not None and not run.complete:
+                path = Path(folder) / f"{number}-{path.name.removesuffix('.partial')}"
                 run.to_rrd(path)
             found.append(path)
         yield found
-
-
-def labels(runs: Sequence[Trajectory], paths: Sequence[Path]) -> list[str]:
-    """A short name for each run: the controller, else the name of the file, else its path."""
-    candidates = (
-        [str(run.meta.get("controller", "")) for run in runs],
-        [path.name.partition(".")[0] for path in paths],
-        [str(path) for path in paths],
-    )
-    return next(
-        (names for names in candidates if all(names) and len(set(names)) == len(names)),
-        candidates[-1],
-    )
 
 
 def next_review(verb: str, *words: Any) -> str:

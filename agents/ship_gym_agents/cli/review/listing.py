@@ -181,7 +181,8 @@ def _text(
 ) -> str:
     """How many, what all have in common, the table, what is unreadable, what comes next."""
     bad = [run for run in runs if run.error]
-    counts = f"{len(kept)} of {len(runs)} runs" if len(kept) < len(runs) else f"{len(runs)} runs"
+    counts = f"{len(kept)} of " if len(kept) < len(runs) else ""
+    counts += f"{len(runs)} run{'s' if len(runs) > 1 else ''}"
     counts += (f", {len(bad)} unreadable" if bad else "") + left_out
     if not kept:
         return f"{counts}: none meets the conditions"
@@ -199,7 +200,13 @@ def _common(runs: Sequence[Run]) -> dict[str, Any]:
     if len(runs) < 2:
         return {}
     values = {name: {run.value(name) for run in runs} for name in (*_LEFT, *_RIGHT)}
-    return {name: found.pop() for name, found in values.items() if len(found) == 1 and any(found)}
+    same = {name: found.pop() for name, found in values.items() if len(found) == 1}
+    return {name: value for name, value in same.items() if _told(runs[0], name)}
+
+
+def _told(run: Run, name: str) -> bool:
+    """Whether a column says something; that a run is complete goes without saying."""
+    return run.value(name) not in (None, "complete")
 
 
 def _metrics_shown(runs: Sequence[Run], named: Sequence[str]) -> list[str]:
@@ -216,7 +223,7 @@ def _table(runs: Sequence[Run], same: dict[str, Any], metrics: Sequence[str]) ->
     from ship_gym.text import table
 
     left = [name for name in _LEFT if name not in same]
-    left = [name for name in left if any(run.value(name) is not None for run in runs)]
+    left = [name for name in left if any(_told(run, name) for run in runs)]
     right = [name for name in _RIGHT if name not in same]
     fields = ["file", *left, *right, *metrics]
     empty = [""] * (len(fields) - 1)

@@ -13,13 +13,11 @@ from ship_gym_agents.cli.review.moments import STRIP, WORST, At, Size
 if TYPE_CHECKING:
     from ship_gym.recording import Trajectory
 
-_FRAMES = 6  # of a strip
-
 
 @verb(
     "runs/rollout.rrd",
     "runs/rollout.rrd --at 120 --light --out runs/at_120.png",
-    "runs/rollout.rrd --at strip          # the run in six frames",
+    "runs/rollout.rrd --at strip          # its moments side by side",
 )
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--at", type=At(WORST, STRIP), default=WORST, help="Moment, or frames of the run.")
@@ -34,23 +32,25 @@ def command(as_json, file, at, out, light, size, painter) -> None:
     driver, be it one in software; else, and as a strip, it is what env.render draws.
     """
     from ship_gym_agents.cli.output import need, place, show
-    from ship_gym_agents.cli.review.files import recorded
+    from ship_gym_agents.cli.review.files import viewable
     from ship_gym_agents.cli.review.moments import said, time_of
 
     need("rerun")
     _check_together(at, light, painter)
     out = place(out, file.with_name(f"{file.name.partition('.rrd')[0]}.png"))
-    run = recorded(file)
-    if at == STRIP:
-        moment, by = None, "painter"
-        reason = _paint_strip(run, out)
-        where = f"{_FRAMES} frames"
+    run = viewable(file)
+    moment, by, reason = None, "painter", ""
+    if run is None:
+        moment, where = _of_comparison(file, at, painter)
+    elif at == STRIP:
+        where = f"{_paint_strip(run, out)} moments"
     else:
         moment = time_of(run, at)
-        by, reason = ("painter", "") if painter else _shoot(file, run, out, moment, size, light)
-        if by == "painter":
-            _paint(run, out, moment)
         where = said(run, moment)
+    if at != STRIP and not painter:
+        by, reason = _shoot(file, run, out, moment, size, light)
+    if at != STRIP and by == "painter":
+        _paint(run, out, moment)
     data = {"file": str(out), "recording": str(file), "time": moment, "by": by, "reason": reason}
     drawn_by = "rerun's viewer" if by == "rerun" else "the painter of env.render"
     text = f"{file} at {where}\nwrote {out}, drawn by {drawn_by}" + (
@@ -67,7 +67,17 @@ def _check_together(at, light: bool, painter: bool) -> None:
         raise ConfigError("--light: is of rerun's viewer; the painter has one look")
 
 
-def _shoot(file, run: Trajectory, out: Path, moment: float, size, light: bool) -> tuple[str, str]:
+def _of_comparison(file: Path, at, painter: bool) -> tuple[float | None, str]:
+    """Time of a comparison, in words, too; only the viewer draws one."""
+    from ship_gym.config import ConfigError
+
+    if painter or at == STRIP:
+        option = "--painter" if painter else "--at strip"
+        raise ConfigError(f"{option}: {file} is a comparison, which only rerun's viewer draws")
+    return (None, "its end") if at == WORST else (at, f"{at:.6g} s")
+
+
+def _shoot(file, run: Trajectory | None, out: Path, moment, size, light) -> tuple[str, str]:
     """Draw by rerun's viewer; who is to draw then, and why it is the painter."""
     from ship_gym.recording.rerun_export.viewer import NoViewer, screenshot
     from ship_gym_agents.cli.review.files import drawn
@@ -76,29 +86,25 @@ def _shoot(file, run: Trajectory, out: Path, moment: float, size, light: bool) -
         try:
             screenshot(path, out, moment, size, light)
         except NoViewer as error:
-            if light:
+            if light or run is None:
                 raise
             return "painter", str(error)
     return "rerun", ""
 
 
 def _paint(run: Trajectory, out: Path, moment: float) -> None:
-    """Draw the row nearest to a time."""
-    import numpy as np
-    from ship_gym.rendering.replay import frame
-
+    """Draw the row of a time."""
     from ship_gym.rendering.png import save_png
+    from ship_gym.rendering.replay import frame, row_at
 
-    save_png(frame(run, int(np.argmin(np.abs(run["t"] - moment)))), out)
+    save_png(frame(run, row_at(run, moment)), out)
 
 
-def _paint_strip(run: Trajectory, out: Path) -> str:
-    """Draw frames evenly over the run, its ends among them."""
-    import numpy as np
-    from ship_gym.rendering.replay import strip
-
+def _paint_strip(run: Trajectory, out: Path) -> int:
+    """Draw the moments worth a picture; how many there are."""
     from ship_gym.rendering.png import save_png
+    from ship_gym.rendering.replay import moments, strip
 
-    t = run["t"]
-    save_png(strip(run, np.linspace(t[0], t[-1], _FRAMES)), out)
-    return ""
+    times = moments(run)
+    save_png(strip(run, times), out)
+    return len(times)

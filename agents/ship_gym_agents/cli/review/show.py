@@ -26,15 +26,15 @@ def command(as_json, files, web, at) -> None:
     """
     from ship_gym.recording.trajectory import import_rerun_export
     from ship_gym_agents.cli.output import need, progress
-    from ship_gym_agents.cli.review.files import drawn, recorded
+    from ship_gym_agents.cli.review.files import drawn, viewable
     from ship_gym_agents.cli.review.moments import time_of
 
     need("rerun")
     import_rerun_export()
     if not web:
         check_screen(files)
-    runs = [recorded(path) for path in progress(files, "reading")]
-    moment = time_of(runs[0], at) if len(runs) == 1 else None
+    runs = [viewable(path) for path in progress(files, "reading")]
+    moment = time_of(runs[0], at) if len(runs) == 1 and runs[0] is not None else None
     with drawn(files, runs) as paths, contextlib.suppress(KeyboardInterrupt):
         if web:
             _serve(as_json, files, paths)
