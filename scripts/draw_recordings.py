@@ -1,9 +1,9 @@
 """Draw the pictures of recordings for the documentation, in rerun's native and web viewer.
 
-Each subject is recorded by commands of ship-gym and drawn at its worst moment, in the dark and in
-the light theme, at 1920x1080. The native viewer draws without a window, by a graphics driver in
-software (Debian: mesa-vulkan-drivers; the light theme: xvfb), the web viewer in Chromium (Debian:
-chromium, chromium-driver; selenium).
+Each subject is recorded by commands of ship-gym and drawn at its worst moment, a manoeuvre at its
+end, in the dark and in the light theme, at 1920x1080. The native viewer draws without a window, by
+a graphics driver in software (Debian: mesa-vulkan-drivers), the web viewer in Chromium (Debian:
+chromium, chromium-driver; and selenium).
 """
 
 from __future__ import annotations
@@ -36,15 +36,16 @@ VIEWERS, THEMES = ("native", "web"), ("dark", "light")
 
 @dataclasses.dataclass(frozen=True)
 class Subject:
-    """What is drawn: commands of ship-gym and, of the files that they write, two.
+    """What is drawn.
 
     Attributes
     ----------
     commands : tuple of tuple of str
+        Of ship-gym, run in an empty folder.
     file : str
-        The recording to draw.
+        The recording to draw, in that folder.
     run : str
-        The recording whose worst moment is drawn; default: `file`.
+        The recording whose moment is drawn; default: `file`.
     """
 
     commands: tuple[tuple[str, ...], ...]
@@ -93,11 +94,13 @@ def main() -> None:
     if "web" in args.viewers:
         check_browser()
     pictures = list(itertools.product(args.only, args.viewers, args.themes))
-    files, recorded = [], {}
+    files = []
     with tempfile.TemporaryDirectory() as folder:
+        recorded = {
+            name: record(SUBJECTS[name], Path(folder) / name)
+            for name in progress(args.only, "recording")
+        }
         for name, viewer, theme in progress(pictures, "pictures"):
-            if name not in recorded:
-                recorded[name] = record(SUBJECTS[name], Path(folder) / name)
             file = args.out / f"{name}_{viewer}_{theme}.png"
             write(DRAWN[viewer](*recorded[name], theme == "light"), file)
             files.append(file)
@@ -107,7 +110,7 @@ def main() -> None:
 
 
 def record(subject: Subject, folder: Path) -> tuple[Path, float]:
-    """Run the commands of a subject in a folder; its recording and the moment to draw."""
+    """Run the commands of a subject in a folder; its recording and the moment to draw [s]."""
     from ship_gym.recording import Trajectory
     from ship_gym.recording.marks import worst_moment
 
@@ -119,8 +122,9 @@ def record(subject: Subject, folder: Path) -> tuple[Path, float]:
         )
         if done.returncode:
             raise OSError(f"ship-gym {' '.join(command)}: {done.stderr.strip()}")
-    moment = worst_moment(Trajectory.from_file(folder / (subject.run or subject.file)))
-    return folder / subject.file, moment
+    run = Trajectory.from_file(folder / (subject.run or subject.file))
+    manoeuvre = run.meta.get("kind") == "manoeuvre"
+    return folder / subject.file, float(run["t"][-1]) if manoeuvre else worst_moment(run)
 
 
 def native(path: Path, moment: float, light: bool) -> bytes:
