@@ -25,7 +25,7 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import history_columns
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.columns import action_columns, observation_columns
-from ship_gym.tasks.metrics import metrics
+from ship_gym.tasks.metrics import metrics, metrics_of
 from ship_gym.tasks.rewards import COSTS
 
 _HISTORIES = ("time", "states", "commands", "forces", "flow", "waves")
@@ -176,6 +176,8 @@ class Conditions:
         """
         found = Trajectory(self.columns(rows), self.meta() | self.end(outcome) | dict(about))
         found.meta["metrics"] = measured(found)
+        units = metrics_of(found.meta["task"]) if found.meta["metrics"] else {}
+        found.meta["units"] = {name: metric.unit for name, metric in units.items()}
         return found
 
     def end(self, outcome: int) -> dict[str, Any]:

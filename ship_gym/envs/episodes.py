@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from gymnasium.utils import seeding
@@ -21,6 +21,7 @@ from ship_gym.envs.info import Info, Layout, info_of_all, info_of_one, side_by_s
 from ship_gym.envs.interval import BAD_ACTION, BAD_OUTCOME, Episodes, Failure, Loops, loops_of
 from ship_gym.envs.probe import check_outcomes, try_kernels
 from ship_gym.envs.randomisation import ShipDraws, check_has_std
+from ship_gym.envs.watcher import Watcher
 from ship_gym.envs.weather import Weathers
 from ship_gym.physics._threads import BLOCK, in_parts
 from ship_gym.physics.waves import WAVE_EXTRAPOLATION
@@ -34,22 +35,6 @@ from ship_gym.tasks.columns import ACTIONS
 from ship_gym.tasks.rewards import COSTS
 
 _KEY_BITS = 2.0**32
-
-
-class Watcher(Protocol):
-    """What follows a batch, see ``EpisodeBatch.watch``."""
-
-    def leave(self, which: np.ndarray) -> None:
-        """Some episodes, shape (m,), are about to begin anew; their ships are where they were."""
-
-    def begin(self, which: np.ndarray, given: Mapping[str, np.ndarray]) -> None:
-        """They have begun, with the options `given` (``EpisodeBatch.start``)."""
-
-    def before(self) -> None:
-        """An interval begins; ``actions`` are those of it, all else is of its start."""
-
-    def after(self) -> None:
-        """It has been sailed; no episode that it ended has begun anew yet."""
 
 
 class EpisodeBatch:

@@ -35,7 +35,7 @@ class RecordingOptions:
     def __post_init__(self):
         if not isinstance(self.folder, str | os.PathLike) or not os.fspath(self.folder):
             raise ConfigError(f"folder = {self.folder!r}: must be a path")
-        self.folder = Path(self.folder)
+        self.folder = Path(self.folder).absolute()  # wherever the process goes
         self._check_choice()
         if not (isinstance(self.name, str) and re.fullmatch(r"[A-Za-z0-9_.-]+", self.name)):
             raise ConfigError(

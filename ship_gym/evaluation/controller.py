@@ -21,6 +21,8 @@ class Controller(Protocol):
     ----------
     name : str
         Shown in tables.
+
+    It may have an attribute `file`, what it was loaded from: a recording names it with its SHA-256.
     """
 
     name: str

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
+from ship_gym.recording.library import stored_metrics
 from ship_gym.recording.marks import bearing, marks, seconds, time_unit
 from ship_gym.recording.surroundings import Surroundings, surroundings
 from ship_gym.recording.task_error import section
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from ship_gym.recording.trajectory import Trajectory
 
 _HASH, _COMMIT = 12, 10  # digits that are shown
+_SHIPPED = "pretrained"  # folder of the policies that come with the package
 # Orders of a manoeuvre: key of its config, name, size and unit for people
 _ORDERS = (
     ("delta", "rudder", math.degrees(1.0), "deg"),
@@ -97,8 +99,8 @@ def facts(trajectory: Trajectory) -> Iterator[list[str]]:
 def metric_rows(meta: Mapping) -> Iterator[list[str]]:
     """Rows of name, value and unit of the metrics in a meta."""
     units = section(meta, "units")
-    for name, value in section(meta, "metrics").items():
-        yield [str(name), number(value), str(units.get(name, ""))]
+    for name, value in stored_metrics(meta).items():
+        yield [name, number(value), str(units.get(name, ""))]
 
 
 def number(value: Any) -> str:
@@ -169,12 +171,15 @@ def _task(meta: Mapping) -> str:
 
 
 def _controller(meta: Mapping) -> str:
+    """Name, and of a policy its file, whole only where that is short, with the hash."""
     policy, name = section(meta, "policy"), str(meta.get("controller") or "")
     if not policy.get("file"):
         return name
     digits = str(policy.get("sha256") or "")[:_HASH]
-    file = f"{policy['file']}" + (f", sha256 {digits}" if digits else "")
-    return file if name in ("", policy["file"]) else f"{name}: {file}"
+    path = PurePath(policy["file"])
+    file = ".../" + "/".join(path.parts[-2:]) if path.is_absolute() else str(path)
+    text = file + (f", sha256 {digits}" if digits else "")
+    return f"{name}: {text}" if name else text
 
 
 def _flat(values: Mapping[str, Any], before: str = "") -> Iterator[str]:
@@ -201,17 +206,28 @@ def again(meta: Mapping) -> str:
     """The command that records an episode again, "" where the meta does not have all it needs."""
     if isinstance(meta.get("command"), str):
         return meta["command"]
-    config = section(meta, "config")
-    steered = section(meta, "policy").get("file") or meta.get("controller")
-    needed = (meta.get("scenario"), steered, meta.get("seed"), config.get("task"))
-    if any(part in (None, "") for part in needed):
+    config, steered = section(meta, "config"), _steered(meta)
+    if any(part in (None, "") for part in (meta.get("scenario"), steered, meta.get("seed"))):
+        return ""
+    if not {"task", "ship", "control"} <= config.keys():
         return ""
     overrides = section(meta, "overrides")
     changed = [*_flat({k: v for k, v in overrides.items() if k not in ("ship", "control")})]
-    words = ["ship-gym", "record", "--controller", str(steered), "--scenario", meta["scenario"]]
+    words = ["ship-gym", "record", "--controller", steered, "--scenario", str(meta["scenario"])]
     words += ["--ship", str(config["ship"]), "--control", str(config["control"])]
     words += ["--seed", str(meta["seed"]), *(["--set", *changed] if changed else [])]
     return shlex.join(words)
+
+
+def _steered(meta: Mapping) -> str:
+    """How ``--controller`` calls who steered: by name if it comes with the package, else by file.
+
+    "" for a program of one's own, whose class is not known.
+    """
+    file, name = section(meta, "policy").get("file"), str(meta.get("controller") or "")
+    if not file or PurePath(file).parent.name == _SHIPPED:
+        return name
+    return "" if PurePath(file).suffix == ".py" else str(file)
 
 
 def _origin(meta: Mapping) -> str:

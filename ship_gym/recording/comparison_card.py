@@ -11,6 +11,7 @@ import numpy as np
 
 from ship_gym.recording.card import facts, number
 from ship_gym.recording.comparison import Run
+from ship_gym.recording.library import stored_metrics
 from ship_gym.recording.task_error import section
 from ship_gym.text import table
 
@@ -57,30 +58,34 @@ def _leaves(values: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, 
 
 
 def comparison_card(runs: Sequence[Run]) -> str:
-    """Markdown card: the runs side by side, what differs, and their metrics with differences."""
+    """Markdown card: what differs, the metrics side by side with differences, and the rest."""
     names = [run.name for run in runs]
-    parts = [f"# {' against '.join(names)}", *(f"- {note}" for note in notes(runs))]
-    tables = [table(["", *names], _facts(runs), markdown=True)]
+    same, different = _facts(runs)
+    parts = [f"# {' against '.join(names)}", "\n".join(f"- {note}" for note in notes(runs))]
+    parts.append(table(["", *names], different, markdown=True))
     if rows := [*_metrics(runs)]:
-        first = names[0]
-        header = ["Metric", "Unit", first]
+        header = ["Metric", "Unit", names[0]]
         for name in names[1:]:
-            header += [name, f"{name} less {first}"]
-        tables.append(table(header, rows, markdown=True))
-    return "\n".join(parts) + "\n\n" + "\n\n".join(tables) + "\n"
+            header += [name, f"less {names[0]}"]
+        parts.append(table(header, rows, markdown=True))
+    if same:
+        parts.append(table(["The same in all", ""], same, markdown=True))
+    return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _facts(runs: Sequence[Run]) -> list[list[str]]:
-    """Facts of the single cards beside each other."""
+def _facts(runs: Sequence[Run]) -> tuple[list[list[str]], list[list[str]]]:
+    """Facts of the single cards: those that all share, and the others beside each other."""
     found = [dict(facts(run.trajectory)) for run in runs]
     keys = dict.fromkeys(key for one in found for key in one)
-    ends = [str(run.trajectory.meta.get("outcome") or "-") for run in runs]
-    return [["Outcome", *ends], *([key, *(one.get(key, "-") for one in found)] for key in keys)]
+    rows = [[key, *(one.get(key, "-") for one in found)] for key in keys]
+    ends = ["Outcome", *(str(run.trajectory.meta.get("outcome") or "-") for run in runs)]
+    same = [row[:2] for row in rows if len(set(row[1:])) == 1]
+    return same, [ends, *(row for row in rows if len(set(row[1:])) > 1)]
 
 
 def _metrics(runs: Sequence[Run]) -> Iterator[list[str]]:
     """Rows of name, unit, the first run's value, then each other's with its difference."""
-    values = [section(run.trajectory.meta, "metrics") for run in runs]
+    values = [stored_metrics(run.trajectory.meta) for run in runs]
     units = section(runs[0].trajectory.meta, "units")
     for name in dict.fromkeys(key for one in values for key in one):
         first = values[0].get(name)

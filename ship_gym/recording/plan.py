@@ -47,6 +47,7 @@ def grid_lines(low: np.ndarray, high: np.ndarray) -> tuple[list, np.ndarray, lis
     lines = [np.array([[e, low[1]], [e, high[1]]]) for e in east]
     lines += [np.array([[low[0], s], [high[0], s]]) for s in south]
     inset = 0.06 * (high[0] - low[0])  # labels are centred on their place
+    east = [e for e in east if e > low[0] + 2.5 * inset]  # the corner belongs to the north
     places = [[e, high[1] - inset] for e in east] + [[low[0] + inset, s] for s in south]
     labels = [f"E {e + 0.0:g} m" for e in east] + [f"N {-s + 0.0:g} m" for s in south]
     return lines, np.array(places), labels

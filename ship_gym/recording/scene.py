@@ -22,6 +22,9 @@ _OUTSIDE = tuple(force for force in FORCES if force.outside)
 _WIND, _WAVES, _CURRENT = (0.0, 0.3), (0.12, 0.1), (0.0, 0.0)  # see _incoming
 _STRONG_WIND, _STRONG_CURRENT = 0.42, 0.032  # [sqrt(g L)], of a ship of 230 m 20 and 1.5 m/s
 _LOWEST, _APART = 0.12, 0.08  # height of their arrows above the water, and between them [L]
+# Of what has a label: its text has that colour, on a ground that the viewer makes dark or light.
+ORDERED, COMPASS = (230, 96, 0), (228, 72, 56)
+_VIOLET, _MAGENTA, _GREEN = (148, 44, 224), (214, 0, 122), (0, 140, 52)
 _HULL_RED, _HULL_BLUE, _DECK = (165, 62, 52), (70, 98, 145), (165, 135, 105)
 
 
@@ -143,20 +146,25 @@ def arrows(columns: Columns, length: float, meta: Mapping | None = None) -> list
     list of Arrow
         Arrows relative to the ship's position.
     """
-    found = []
-    rows = len(next(iter(columns.values())))
+    found = flow_arrows(columns, length, meta)
     if "psi_ordered" in columns:
         order = columns["psi_ordered"]
         vectors = _toward(order, 0.3 * length)  # outward from the ring
         labels = np.array([f"ordered {bearing(angle)}" for angle in order])
-        found.append(
-            Arrow("ordered_heading", labels, RING / 0.3 * vectors, vectors, (250, 170, 60))
-        )
+        arrow = Arrow("ordered_heading", labels, RING / 0.3 * vectors, vectors, ORDERED)
+        found = [arrow, *found]
+    return found + _force_arrows(columns, length)
+
+
+def flow_arrows(columns: Columns, length: float, meta: Mapping | None = None) -> list[Arrow]:
+    """Arrows for waves, wind and current, with their numbers; see `arrows`."""
+    found = []
+    rows = len(next(iter(columns.values())))
     height, period, to, _ = waves_of(meta or {})
     if height and period:
         text = f"waves H {height:.1f} m, T {period:.1f} s from {bearing(to + np.pi)}"
         flow = np.full(rows, to), np.ones(rows)
-        found.append(_incoming("waves", text, *flow, length, _WAVES, (190, 215, 255)))
+        found.append(_incoming("waves", text, *flow, length, _WAVES, _VIOLET))
     scale = np.sqrt(G * length)
     if {"wind_speed", "wind_direction_from"} <= columns.keys():
         speed, origin = columns["wind_speed"], columns["wind_direction_from"]
@@ -164,14 +172,14 @@ def arrows(columns: Columns, length: float, meta: Mapping | None = None) -> list
         if share.any():
             text = f"wind {speed.mean():.1f} m/s from {bearing(origin[0])}"
             flow = origin + np.pi, share
-            found.append(_incoming("wind", text, *flow, length, _WIND, (240, 240, 245)))
+            found.append(_incoming("wind", text, *flow, length, _WIND, _MAGENTA))
     if {"current_speed", "current_direction_to"} <= columns.keys():
         speed, to = columns["current_speed"], columns["current_direction_to"]
         share = _share(speed, _STRONG_CURRENT * scale)
         if share.any():
             text = f"current {speed.mean():.2f} m/s to {bearing(to[0])}"
-            found.append(_incoming("current", text, to, share, length, _CURRENT, (80, 225, 240)))
-    return found + _force_arrows(columns, length)
+            found.append(_incoming("current", text, to, share, length, _CURRENT, _GREEN))
+    return found
 
 
 def _force_arrows(columns: Columns, length: float) -> list[Arrow]:

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from types import SimpleNamespace
 
 import gymnasium as gym
 import numpy as np
@@ -166,6 +167,59 @@ def test_a_vector_environment_records_each_episode_of_each_environment(tmp_path,
         assert t.meta["metrics"] == alone.meta["metrics"]
 
 
+def test_ships_of_a_mixed_fleet_are_recorded_each_as_alone(tmp_path):
+    """Another ship by chance in each episode; one propeller beside two has no port side."""
+    given = {"scenario": "heading_unknown_ship", "overrides": SHORT}
+    env = RecordRerunVector(ShipVectorEnv(4, ship=["kcs", "onrt"], **given), tmp_path, **FAST)
+    env.reset(seed=30)
+    for _ in range(12):
+        env.step(np.zeros((4, 1), np.float32))
+    env.close()
+    about = {"controller", "episode", "environment"}
+    for i, file in enumerate(env.files):
+        found, ship = Trajectory.from_rrd(file), ("kcs", "onrt")[i % 2]
+        alone = rollout(ConstantController(), seeds=[30 + i], ship=ship, **given).trajectory(0)
+        assert ("thrust_port" in found) == (ship == "onrt")
+        assert found.meta["randomisation"] and found.meta["scenario"] == "heading_unknown_ship"
+        # the scenario of a fleet names the first of its ships
+        same(found, alone, about | ({"config", "overrides"} if ship == "onrt" else set()))
+
+
+def test_options_of_a_reset_are_in_the_recording(tmp_path):
+    env = ShipEnv(overrides=SHORT, record={"folder": tmp_path, **FAST})
+    env.reset(seed=3, options={"heading_error_deg": 4.0, "position": (10.0, -5.0)})
+    with pytest.raises(ConfigError, match="speed"):
+        env.reset(options={"speed": 99.0})  # refused: the episode goes on
+    for _ in range(12):
+        env.step(np.zeros(1))
+    env.close()
+    (file,) = tmp_path.iterdir()
+    t = Trajectory.from_rrd(file)
+    assert t.meta["reset_options"] == {"heading_error_deg": 4.0, "position": [10.0, -5.0]}
+    assert (t["x"][0], t["y"][0]) == (10.0, -5.0) and len(t) == 13
+
+
+def test_a_ship_that_diverges_is_recorded_as_in_a_rollout(tmp_path):
+    wild = {"randomisation.surrogate_std": 10.0, "limits.heading_error_deg": 180.0}
+    env = {"ship": "onrt", "control": "rudder+rpm", "overrides": wild | {"duration": 60.0}}
+
+    class HardOver(ConstantController):
+        def act(self, observations):
+            return np.ones((len(observations), 2))
+
+    sailed = rollout(HardOver(), seeds=range(40), **env)
+    lost = [i for i, name in enumerate(sailed.outcomes) if name == 1][:2]
+    assert lost
+    for i in lost:
+        one = ShipEnv(record={"folder": tmp_path, **FAST}, **env)
+        one.reset(seed=i)
+        while not one.step(np.ones(2))[2]:
+            pass
+        one.close()
+        (file,) = tmp_path.glob(f"*seed-{i}.rrd")
+        same(Trajectory.from_rrd(file), sailed.trajectory(i), {"controller", "episode"})
+
+
 def test_the_vector_wrapper_keeps_the_worst_of_all_environments(tmp_path):
     env = RecordRerunVector(
         ShipVectorEnv(4, overrides=SHORT), tmp_path, keep="worst", by="max_error", **FAST
@@ -271,23 +325,31 @@ def test_a_copy_of_the_environment_records_nothing(tmp_path):
     assert [(m["seed"], m["outcome"]) for m in metas] == [(1, "cut short"), (2, "end of time")]
 
 
-def test_a_file_that_cannot_be_written_is_one_error_and_the_environment_sails_on(
-    tmp_path, monkeypatch
-):
-    from ship_gym.recording.recorder import Recorder
+@pytest.mark.parametrize("keep", ["all", lambda t: True], ids=["streamed", "in memory"])
+@pytest.mark.parametrize("at", ["add", "finish"])
+def test_a_full_disk_is_one_error_and_the_environment_sails_on(tmp_path, monkeypatch, keep, at):
+    """Whether the rows or the file find no room; what is there of the episode stays."""
+    from ship_gym.recording import recorder
 
-    env = ShipEnv(overrides=SHORT, record={"folder": tmp_path, **FAST})
-
-    def full(self, trajectory):
+    def full(*given, **options):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Recorder, "finish", full)
-    with pytest.raises(OSError, match="No space"):
-        sail(env, 1)
-    monkeypatch.undo()
+    record = {"folder": tmp_path, "keep": keep, **FAST}
+    env = ShipEnv(overrides={"duration": 30.0}, record=record)
+    with monkeypatch.context() as patched:
+        if at == "add":
+            patched.setattr(recorder.Journal, "append", full)
+        else:
+            export = SimpleNamespace(write_rrd=full)
+            patched.setattr(recorder, "import_rerun_export", lambda: export)
+        with pytest.raises(OSError, match="No space"):
+            sail(env, 1)
     sail(env, 2)
     env.close()
     assert names(tmp_path) == ["episode-000000-seed-1.rrd.partial", "episode-000001-seed-2.rrd"]
+    left = tmp_path / "episode-000000-seed-1.rrd.partial"
+    if at == "finish":
+        assert len(Trajectory.from_file(left)) == 31
 
 
 @pytest.mark.parametrize(

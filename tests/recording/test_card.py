@@ -96,6 +96,19 @@ def test_no_command_is_made_up(missing):
     assert again({key: value for key, value in META.items() if key != missing}) == ""
 
 
+def test_policy_of_the_package_is_called_by_its_name_and_shown_short():
+    policy = {"file": "/opt/site/ship_gym_agents/pretrained/ppo.safetensors", "sha256": "ab" * 32}
+    meta = META | {"policy": policy}
+    assert "--controller ppo " in again(meta)
+    assert "ppo: .../pretrained/ppo.safetensors, sha256 abababababab" in card_text(
+        run(policy=policy)
+    )
+
+
+def test_program_of_one_s_own_has_no_command():
+    assert again(META | {"policy": {"file": "mine.py", "sha256": "ab"}}) == ""
+
+
 def test_given_command_comes_first():
     assert again(META | {"command": "ship-gym record --seed 1"}) == "ship-gym record --seed 1"
 

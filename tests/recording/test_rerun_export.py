@@ -111,8 +111,8 @@ def test_everything_is_shown_and_small(tmp_path):
     ("kept", "shown", "hidden"),
     [
         (["x", "y", "psi", "delta"], "/world/ship/hull", "/plots/reward"),
-        (["psi", "delta"], "/plots/steering", "/world/sea"),
-        (["reward"], "/plots/steering", "/plots/more"),
+        (["psi", "delta"], "/plots/often", "/world/sea"),
+        (["reward"], "/plots/often", "/plots/seldom"),
         ([], "/about", "/plan/track"),
     ],
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import errno
 import os
 
 import numpy as np
@@ -32,22 +33,15 @@ def recorded(controller: str, scenario: str, overrides: dict, seed: int = 3) -> 
     return found.trajectory(0)
 
 
-def with_limits(trajectory: Trajectory) -> Trajectory:
-    """With the limits in the meta, as recordings of today have them."""
-    given, L = trajectory.meta["config"]["limits"], trajectory.meta["ship"]["L"]
-    found = {k: z if k.endswith("_deg") else z * L for k, z in given.items() if z is not None}
-    return Trajectory(trajectory.columns, {"limits": found} | trajectory.meta)
-
-
 @pytest.fixture(scope="module")
 def run() -> Trajectory:
-    return with_limits(recorded(*CASES["waves"]))
+    return recorded(*CASES["waves"])
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_frame_is_what_the_environment_showed(case):
     controller, scenario, overrides = CASES[case]
-    trajectory = with_limits(recorded(controller, scenario, overrides))
+    trajectory = recorded(controller, scenario, overrides)
     env = ShipEnv(scenario=scenario, overrides=overrides, render_mode="rgb_array")
     steered = make_controller(controller)
     observation, _ = env.reset(seed=3)
@@ -168,6 +162,18 @@ def test_broken_off_video_leaves_the_old_file(run, tmp_path):
         replay.write_video(run, path, progress=broken)
     assert path.read_bytes() == b"old"
     assert os.listdir(tmp_path) == ["run.mp4"]
+
+
+def test_full_disk_is_one_line_that_names_the_video(run, tmp_path, monkeypatch):
+    pytest.importorskip("av")
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("pathlib.Path.write_bytes", full)
+    with pytest.raises(OSError, match=r"run\.mp4: the video could not be written: No space left"):
+        replay.write_video(run, tmp_path / "run.mp4", fps=1, speed=20.0)
+    assert os.listdir(tmp_path) == []
 
 
 def test_video_is_an_mp4_and_needs_av(run, tmp_path, monkeypatch):

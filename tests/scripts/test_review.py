@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -128,6 +129,24 @@ def test_refusals_are_one_line_and_leave_nothing(cli, tmp_path, arguments, words
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="needs /proc of Linux")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["picture", "a.rrd", "--out", "/proc/a.png"],
+        ["compare", "a.rrd", "b.rrd", "--out", "/proc/c.rrd"],
+        ["compare", "a.rrd", "b.rrd", "--picture", "/proc/c.png"],
+        ["export", "a.rrd", "--out", "/proc/a.csv"],
+        ["export", "a.rrd", "b.rrd", "--format", "png", "--out", "/proc"],
+        ["export", "/proc/a.rrd", "--format", "csv"],
+        ["picture", "/proc/a.rrd"],
+    ],
+)
+def test_places_that_cannot_be_written_are_refused_before_a_file_is_read(cli, arguments):
+    code, out, err = cli("review", *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1) and "cannot write into /proc: " in err
+
+
 def test_list_has_a_row_for_every_file(cli, folder):
     code, out, err = cli("review", "list", "runs", "--json")
     assert code == 0, err
@@ -152,7 +171,17 @@ def test_list_and_show_are_enough_for_the_worst(cli, folder, sailed):
     meta = worst(sailed)
     name = f"runs/{meta['controller']}_{meta['seed']}.rrd"
     assert code == 0 and f"next: ship-gym review show {name}" in out, err
-    assert out.startswith("1 of 6 runs")
+    assert out.startswith("1 of 6 runs, 1 unreadable; left out, for they have no J_steady: 3\n")
+
+
+def test_failed_runs_are_worse_than_others(cli, sailed, tmp_path):
+    """As for ship-gym record --worst, whatever their metric is."""
+    meta = worst(sailed)
+    good = next(run for run in sailed if run.meta["seed"] != meta["seed"])
+    for name, run, failed in (("good", good, True), ("bad", sailed[2], False)):
+        with_meta(run, failed=failed).to_rrd(tmp_path / f"{name}.rrd", picture=False)
+    rows = json.loads(cli("review", "list", ".", "--worst", "2", "--json")[1])["runs"]
+    assert [row["file"] for row in rows] == ["good.rrd", "bad.rrd"]
 
 
 def test_list_filters_and_sorts(cli, folder):

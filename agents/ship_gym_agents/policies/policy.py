@@ -32,6 +32,11 @@ class Policy:
         what the network was made for, are checked at each reset; without them the first reset
         sets them.
 
+    Attributes
+    ----------
+    file : pathlib.Path or None
+        What it was read from (``policy_file.load_policy``); a recording names it.
+
     Raises
     ------
     ConfigError
@@ -42,7 +47,7 @@ class Policy:
         self, form: Form, normaliser: Normaliser, network: Network, card: Mapping[str, Any]
     ):
         self.form, self.normaliser, self.network = form, normaliser, network
-        self.card = dict(card)
+        self.card, self.file = dict(card), None
         self.name = str(self.card["name"])
         n_features = len(self.card.get("features", normaliser.mean))
         if not n_features == len(normaliser.mean) == network.n_features:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -12,23 +13,32 @@ import rerun.blueprint as rrb
 
 from ship_gym.provenance import atomic_path
 from ship_gym.recording import hull_shape, plan, scene
+from ship_gym.recording.axes import free_corner, y_range
 from ship_gym.recording.comparison import Run, common_times, panels, runs_of
 from ship_gym.recording.comparison_card import comparison_card, sources
 from ship_gym.recording.marks import marks
 from ship_gym.recording.panels import Panel
-from ship_gym.recording.rerun_export.annotations import CARD, MARKS, marks_view
-from ship_gym.recording.rerun_export.blueprint import whole
-from ship_gym.recording.rerun_export.log import TIMELINE, Output, log, log_style, send_rows
-from ship_gym.recording.rerun_export.rrd_file import read_chunks
+from ship_gym.recording.rerun_export.annotations import CARD, MARKS
+from ship_gym.recording.rerun_export.blueprint import (
+    FOLLOWED,
+    plan_view,
+    scene_view,
+    text_views,
+    whole,
+)
+from ship_gym.recording.rerun_export.log import TIMELINE, Output, log, log_style
+from ship_gym.recording.rerun_export.rows import changes, send_chosen, shown_rows, slow_rows
+from ship_gym.recording.rerun_export.rrd_file import COMPARISON, read_chunks
+from ship_gym.recording.rerun_export.water import send_water
 from ship_gym.recording.sealed import DamagedRecording, seal
 from ship_gym.recording.trajectory import Trajectory
+from ship_gym.recording.wave_grid import wave_grid
 
-_HEAD = "ShipGymComparison"
-_SKY, _SEA = [150, 172, 190], (18, 66, 108)
-_CHART, _GRID, _TICK, _ROUTE = [24, 32, 42], (62, 78, 96), (160, 172, 184), (206, 160, 80)
+_FORMAT, _HEAD = 1, "ShipGymComparison"
+_GRID, _TICK, _ROUTE = (62, 78, 96), (160, 172, 184), (206, 160, 80)
 _GHOST = 120  # opacity of the other ships, of 255
 _MOST_POINTS = 1000  # of a track
-_EDGE = 15.0  # of the sea beyond the tracks [L]
+_EDGE = 25.0  # of the sea beyond the tracks [L]
 
 
 def write_comparison(
@@ -39,7 +49,7 @@ def write_comparison(
     """Write two or more runs, overlaid and aligned at their first rows, to one ``.rrd`` file.
 
     It is a picture and holds no record of its own: its head lists the runs with hashes of what they
-    hold (``comparison_card.sources``), see `read_comparison`.
+    hold (``comparison_card.sources``), see `read_comparison`. The file is sealed as recordings are.
 
     Parameters
     ----------
@@ -56,61 +66,78 @@ def write_comparison(
     ConfigError
         Runs that cannot be compared, see ``comparison.runs_of``.
     OSError
-        The file cannot be written.
+        The file cannot be written; names it.
     """
-    runs = runs_of(trajectories, names)
-    stream = rr.RecordingStream("ship_gym_comparison")
+    data = _encoded(runs_of(trajectories, names))
     try:
-        source = stream.binary_stream()
-        out = Output(stream)
-        head = {"format": 1, "kind": "comparison", "sources": sources(runs)}
-        _send_head(out, head)
-        first = source.read() or b""
-        _send_picture(out, runs)
-        shown = source.read() or b""
-    finally:
-        stream.disconnect()
-    with atomic_path(path) as temporary:
-        temporary.write_bytes(seal(first, shown))
+        with atomic_path(path) as temporary:
+            temporary.write_bytes(data)
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise OSError(f"{path}: the comparison could not be written: {why}") from error
 
 
-def read_comparison(path: str | os.PathLike) -> dict:
-    """The head of a file of `write_comparison`, which is verified: format, kind, sources.
+def read_comparison(path: str | os.PathLike) -> dict[str, Any]:
+    """Read what a comparison is of: ``kind`` "comparison" and ``sources``, a list of dicts.
 
     Raises
     ------
     DamagedRecording
-        If the file is not as it was written, or is no comparison.
+        The file is not as it was written, or is no comparison.
     """
     for chunk in read_chunks(path):
-        if chunk.entity_path == "/comparison":
+        if chunk.entity_path == COMPARISON:
             return json.loads(chunk.to_record_batch().column(f"{_HEAD}:json")[0][0].as_py())
-    raise DamagedRecording(f"{path} is no comparison of recordings")
+    raise DamagedRecording(f"{path} is no comparison of runs")
 
 
-def _send_head(out: Output, head: dict) -> None:
-    text = {"json": [json.dumps(head)]}
-    columns = rr.DynamicArchetype.columns(archetype=_HEAD, components=text)
-    rr.send_columns("comparison", [], columns, recording=out.stream, strict=True)
+def _encoded(runs: Sequence[Run]) -> bytes:
+    """The file: the head as rerun encodes it, then the picture, sealed."""
+    stream = rr.RecordingStream("ship_gym_comparison")
+    if not rr.is_enabled(stream):
+        raise OSError("rerun records nothing: the environment has RERUN=off")
+    try:
+        source = stream.binary_stream()
+        out = Output(stream)
+        head = json.dumps({"format": _FORMAT, "kind": "comparison", "sources": sources(runs)})
+        column = rr.DynamicArchetype.columns(archetype=_HEAD, components={"json": [head]})
+        rr.send_columns(COMPARISON[1:], [], column, recording=stream, strict=True)
+        record = source.read() or b""
+        _send_picture(out, runs)
+        shown = source.read() or b""
+    finally:
+        stream.disconnect()
+    return seal(record, shown)
 
 
-def _send_picture(out: Output, runs: list[Run]) -> None:
+def _send_picture(out: Output, runs: Sequence[Run]) -> None:
     length = _length(runs)
-    log(out, "world", rr.ViewCoordinates.FRD)  # x north, y east, z down: right-handed
-    _log_sea(out, runs, length)
     low, high = _log_chart(out, runs, length)
+    above = _log_sea(out, runs[0], _tracks(runs), length)
+    _log_route(out, runs[0], above)
     for number, run in enumerate(runs):
-        _log_run(out, run, number, length)
+        _log_run(out, run, number, length, above)
     found, less = panels(runs)
-    for panel in found:
-        _log_lines(out, panel, [run.t for run in runs])
-    for panel in less:
-        _log_lines(out, panel, [common_times(run, runs[0]) for run in runs[1:]])
+    alone = [[run.t for run in runs]] * len(found)
+    shared = [[common_times(run, runs[0]) for run in runs[1:]]] * len(less)
+    for panel, times in zip([*found, *less], [*alone, *shared], strict=True):
+        _log_lines(out, panel, times)
     log(out, CARD, rr.TextDocument(comparison_card(runs), media_type="text/markdown"))
     _send_marks(out, runs)
     names = " against ".join(run.name for run in runs)
+    views = [scene_view(runs[0].trajectory.columns, 1.15 * length, 0, names)]
+    views.append(rrb.Tabs(plan_view(low, high), *text_views(), active_tab=0))
+    axis, clock = whole(max((run.t for run in runs), key=lambda t: t[-1]))
+    tabs = [
+        rrb.Vertical(
+            *(_plot_view(panel, t, axis) for panel, t in zip(*both, strict=True)), name=name
+        )
+        for both, name in (((found, alone), "Runs"), ((less, shared), "Differences"))
+    ]
+    pictures = rrb.Vertical(*views, row_shares=[3, 2])
+    layout = rrb.Horizontal(pictures, rrb.Tabs(*tabs, active_tab=0), column_shares=[1, 1])
     out.stream.send_recording_name(names)
-    out.stream.send_blueprint(_blueprint(runs, names, length, (low, high), found, less))
+    out.stream.send_blueprint(rrb.Blueprint(layout, clock, collapse_panels=True))
 
 
 def _length(runs: Sequence[Run]) -> float:
@@ -125,93 +152,124 @@ def _tracks(runs: Sequence[Run]) -> np.ndarray:
     return np.concatenate([scene.positions(run.trajectory.columns) for run in runs])
 
 
-def _log_sea(out: Output, runs: Sequence[Run], length: float) -> None:
-    """Log a flat sea around all tracks."""
-    points = _tracks(runs)
-    low, high = points.min(axis=0) - _EDGE * length, points.max(axis=0) + _EDGE * length
-    corners = [
-        [low[0], low[1], 0],
-        [high[0], low[1], 0],
-        [high[0], high[1], 0],
-        [low[0], high[1], 0],
-    ]
-    sea = rr.Mesh3D(
-        vertex_positions=corners, triangle_indices=[[0, 2, 1], [0, 3, 2]], albedo_factor=_SEA
-    )
-    log(out, "world/sea", sea)
+def _log_sea(out: Output, first: Run, tracks: np.ndarray, length: float) -> np.ndarray:
+    """Log the water about the first ship, and the ring that the eye follows; a step above both."""
+    far = float(np.ptp(tracks, axis=0).max()) + _EDGE * length
+    grid = wave_grid(first.trajectory.meta, length, far)
+    above = np.array([0.0, 0.0, -0.5 * grid.height - 0.004 * length])
+    log(out, "world", rr.ViewCoordinates.FRD)  # x north, y east, z down: right-handed
+    points, shown = scene.positions(first.trajectory.columns), shown_rows(len(first.t), False)
+    send_water(out, grid, first.t, points, shown)
+    ring, names = scene.compass_ring(length)
+    white = (240, 240, 235)
+    ring = [line + above for line in ring]
+    log(out, FOLLOWED, rr.LineStrips3D(ring, colors=white, radii=-0.6))
+    letters = rr.Points3D(names + above, labels=["N", "E", "S", "W"], colors=white, radii=-1.0)
+    log(out, f"{FOLLOWED}/names", letters)
+
+    def rows(new):
+        return rr.Transform3D.columns(translation=points[new])
+
+    send_chosen(out, "world/at_ship", first.t, shown & changes(points), rows)
+    return above
+
+
+def _log_route(out: Output, first: Run, above: np.ndarray) -> None:
+    """Log the way-points of a track in both views."""
+    points = first.trajectory.meta.get("waypoints")
+    if points:
+        route = np.array(points, dtype=float)
+        strip = rr.LineStrips2D([plan.to_plan(route)], colors=_ROUTE, radii=-0.7)
+        log(out, "plan/route", strip)
+        route = np.column_stack([route, np.full(len(route), above[2])])
+        log(out, "world/route", rr.LineStrips3D([route], colors=_ROUTE, radii=-1.0))
 
 
 def _log_chart(out: Output, runs: Sequence[Run], length: float) -> tuple[np.ndarray, np.ndarray]:
-    """Log grid and route of the plan, and give its corners."""
+    """Log the grid of the plan, and give its corners."""
     low, high = plan.plan_bounds(plan.to_plan(_tracks(runs)), 1.5 * length)
     lines, places, texts = plan.grid_lines(low, high)
     log(out, "plan/grid", rr.LineStrips2D(lines, colors=_GRID, radii=-0.5, draw_order=-2.0))
     labels = rr.Points2D(places, labels=texts, colors=_TICK, radii=-1.0, draw_order=-1.0)
     log(out, "plan/labels", labels)
-    route = runs[0].trajectory.meta.get("waypoints")
-    if route:
-        route = np.array(route, dtype=float)
-        log(out, "plan/route", rr.LineStrips2D([plan.to_plan(route)], colors=_ROUTE, radii=-0.7))
-        strip = np.column_stack([route, np.full(len(route), -0.002 * length)])
-        log(out, "world/route", rr.LineStrips3D([strip], colors=_ROUTE, radii=-1.0))
     return low, high
 
 
-def _log_run(out: Output, run: Run, number: int, length: float) -> None:
+def _log_run(out: Output, run: Run, number: int, length: float, above: np.ndarray) -> None:
     """Log ship and track of one run in both views; all but the first ship are ghosts."""
     columns = run.trajectory.columns
     shape = scene.ship_shape(run.trajectory.meta)
     sizes = (shape.L, shape.B, shape.d) if shape else (length, 0.2 * length, 0.1 * length)
-    color = (*run.color, 255 if number == 0 else _GHOST)
     path = f"world/runs/{number}"
-    for name, mesh in (
-        ("hull", hull_shape.hull_mesh(*sizes)),
-        ("house", hull_shape.superstructure_mesh(*sizes)),
-    ):
-        vertices, triangles, normals = hull_shape.flat_shaded(*mesh)
-        log(out, f"{path}/{name}", rr.Mesh3D(
-            vertex_positions=vertices, triangle_indices=triangles, vertex_normals=normals,
-            albedo_factor=color,
-        ))  # fmt: skip
-    high = (
-        0.25 + 0.1 * number
-    ) * length  # so that names of ships in one place do not hide each other
-    name = rr.Points3D([[0.0, 0.0, -high]], labels=[run.name], colors=[run.color], radii=0)
-    log(out, f"{path}/name", name)
-    places, turns = scene.pose(columns)
-    _send_pose(out, path, run.t, places, turns)
-    track = scene.positions(columns)
-    step = max(1, -(-len(track) // _MOST_POINTS))
-    track = np.concatenate([track[:-1][::step], track[-1:]])
-    above = np.array([0.0, 0.0, -0.002 * length])
+    _log_ship(out, path, sizes, (*run.color, 255 if number == 0 else _GHOST))
+    high = (0.25 + 0.1 * number) * length  # names of ships in one place do not hide each other
+    pale = [(9 * part + 7 * 255) // 16 for part in run.color]  # is written on a dark ground
+    label = rr.Points3D([[0.0, 0.0, -high]], labels=[run.name], colors=[pale], radii=0.0)
+    log(out, f"{path}/name", label)
+    chosen = shown_rows(len(run.t), False)
+    _send_pose(out, path, run.t, chosen, *scene.pose(columns))
+    points = scene.positions(columns)
+    step = max(1, -(-len(points) // _MOST_POINTS))
+    track = np.concatenate([points[:-1][::step], points[-1:]])
     strip = rr.LineStrips3D([track + above], colors=[run.color], radii=-1.2)
     log(out, f"world/tracks/{number}", strip)
     strip = rr.LineStrips2D([plan.to_plan(track)], colors=[run.color], radii=-1.0)
     log(out, f"plan/tracks/{number}", strip)
     outline = plan.to_plan(hull_shape.deck_outline(*sizes))
-    log(out, f"plan/ships/{number}", rr.LineStrips2D([outline], colors=[run.color], radii=-1.2))
-    flat = np.column_stack([plan.to_plan(scene.positions(columns)), np.zeros(len(run.t))])
-    _send_pose(out, f"plan/ships/{number}", run.t, flat, scene.turned(columns["psi"], axis=2))
+    path = f"plan/ships/{number}"
+    log(out, path, rr.LineStrips2D([outline], colors=[run.color], radii=-1.2))
+    flat = np.column_stack([plan.to_plan(points), np.zeros(len(points))])
+    chosen &= slow_rows(run.t, length)
+    _send_pose(out, path, run.t, chosen, flat, scene.turned(columns["psi"], axis=2))
 
 
-def _send_pose(out: Output, path: str, t: np.ndarray, places, turns) -> None:
+def _log_ship(out: Output, path: str, sizes: tuple, color: tuple) -> None:
+    """Log hull and house in one colour."""
+    meshes = {"hull": hull_shape.hull_mesh(*sizes), "house": hull_shape.superstructure_mesh(*sizes)}
+    for name, mesh in meshes.items():
+        vertices, triangles, normals = hull_shape.flat_shaded(*mesh)
+        solid = rr.Mesh3D(
+            vertex_positions=vertices,
+            triangle_indices=triangles,
+            vertex_normals=normals,
+            albedo_factor=color,
+        )
+        log(out, f"{path}/{name}", solid)
+
+
+def _send_pose(out: Output, path: str, t, chosen, places, turns) -> None:
     def rows(new):
         return rr.Transform3D.columns(translation=places[new], quaternion=turns[new])
 
-    send_rows(out, path, t, rows)
+    send_chosen(out, path, t, chosen & changes(places, turns), rows)
 
 
 def _log_lines(out: Output, panel: Panel, times: Sequence[np.ndarray]) -> None:
     """Log one line of a plot for each run, at the times of its rows."""
     for number, (series, t) in enumerate(zip(panel.series, times, strict=True)):
         path = f"{panel.path}/{number}"
-        style = {"names": [series.label], "colors": [series.color], "widths": [1.5]}
+        style = {"names": [series.label], "colors": [series.color], "widths": [1.6]}
         log_style(out, path, rr.SeriesLines, **style)
 
         def rows(new, values=series.values):
             return rr.Scalars.columns(scalars=values[new])
 
-        send_rows(out, path, t, rows)
+        send_chosen(out, path, t, shown_rows(len(t), False), rows)
+
+
+def _plot_view(panel: Panel, times: Sequence[np.ndarray], axis) -> rrb.TimeSeriesView:
+    """View of one plot: all of the runs, with several ticks, its legend where it hides least."""
+    lines = [series.values for series in panel.series]
+    ends = y_range(lines)
+    longest = max(range(len(times)), key=lambda k: len(times[k]))
+    corner = free_corner(times[longest], [lines[longest]], ends, len(lines))
+    return rrb.TimeSeriesView(
+        origin=f"/{panel.path}",
+        name=panel.title,
+        axis_x=rrb.TimeAxis(view_range=axis),
+        axis_y=rrb.ScalarAxis(range=ends),
+        plot_legend=rrb.PlotLegend(corner=getattr(rrb.Corner2D, corner)),
+    )
 
 
 def _send_marks(out: Output, runs: Sequence[Run]) -> None:
@@ -229,51 +287,3 @@ def _send_marks(out: Output, runs: Sequence[Run]) -> None:
     )
     clock = rr.TimeColumn(TIMELINE, duration=times)
     rr.send_columns(MARKS, [clock], entries, recording=out.stream, strict=True)
-
-
-def _blueprint(runs, names: str, length: float, corners, found, less) -> rrb.Blueprint:
-    """Ships above, plan with card and marks below; beside them the lines, in a tab differences."""
-    longest = max(runs, key=lambda run: run.t[-1])
-    axis, clock = whole(longest.t)
-    (west, north), (east, south) = corners
-    chart = rrb.Spatial2DView(
-        origin="/plan",
-        name="Plan, north up [m]",
-        background=_CHART,
-        visual_bounds=rrb.VisualBounds2D(x_range=(west, east), y_range=(north, south)),
-    )
-    card = rrb.TextDocumentView(origin=f"/{CARD}", name="Card")
-    pages = rrb.Tabs(chart, card, marks_view(), active_tab=0)
-    left = rrb.Vertical(_ships_view(runs, names, length), pages, row_shares=[3, 2])
-    tabs = [
-        rrb.Vertical(*_plot_views(which, axis), name=name)
-        for which, name in ((found, "Runs"), (less, "Differences"))
-    ]
-    layout = rrb.Horizontal(left, rrb.Tabs(*tabs, active_tab=0), column_shares=[1, 1])
-    return rrb.Blueprint(layout, clock, collapse_panels=True)
-
-
-def _ships_view(runs: Sequence[Run], names: str, length: float) -> rrb.Spatial3DView:
-    """Look over the first ship from astern, and stay with it."""
-    columns = runs[0].trajectory.columns
-    cosine, sine = np.cos(columns["psi"][0]), np.sin(columns["psi"][0])
-    target = np.array([columns["x"][0], columns["y"][0], 0.0])
-    aft, port, up = 1.6 * length, 1.1 * length, 1.0 * length
-    eye = target + np.array([-aft * cosine + port * sine, -aft * sine - port * cosine, -up])
-    return rrb.Spatial3DView(
-        origin="/world",
-        name=names,
-        background=_SKY,
-        line_grid=False,
-        eye_controls=rrb.EyeControls3D(
-            position=eye, look_target=target, eye_up=(0.0, 0.0, -1.0),
-            tracking_entity="world/runs/0/hull",
-        ),
-    )  # fmt: skip
-
-
-def _plot_views(which: Sequence[Panel], axis: rr.TimeRange) -> Iterator[rrb.TimeSeriesView]:
-    for panel in which:
-        yield rrb.TimeSeriesView(
-            origin=f"/{panel.path}", name=panel.title, axis_x=rrb.TimeAxis(view_range=axis)
-        )

@@ -9,7 +9,7 @@ import rerun.blueprint as rrb
 from ship_gym.recording import hull_shape, plan, scene
 from ship_gym.recording.card import run_name
 from ship_gym.recording.marks import marks
-from ship_gym.recording.panels import Panel, motion_panels, steering_panels
+from ship_gym.recording.panels import motion_panels, steering_panels
 from ship_gym.recording.rerun_export.annotations import send_card, send_marks, send_points
 from ship_gym.recording.rerun_export.blueprint import (
     FOLLOWED,
@@ -27,7 +27,7 @@ from ship_gym.recording.rerun_export.water import send_water
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.wave_grid import wave_grid
 
-_TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (160, 172, 184)
+_TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (24, 96, 196)
 _WHITE, _BRONZE, _STEEL = (226, 226, 220), (206, 160, 80), (120, 128, 138)
 _FINE = 256.0  # turns of the hull, the rudder and the propeller are in parts of this
 
@@ -45,15 +45,15 @@ def send_picture(out: Output, trajectory: Trajectory) -> None:
         length = ship.L if ship else max(0.05 * float(np.ptp(points, axis=0).max()), 1.0)
         _log_scene(out, trajectory, points, ship, length, often, seldom)
         corners = _log_plan(out, trajectory, points, ship, length, seldom)
-        row, title = (-1, "Ship") if live else (0, _title(meta))
+        row, title = (-1, "Ship") if live else (0, _title(trajectory, length))
         pages = rrb.Tabs(plan_view(*corners), *text_views(), active_tab=0)
         views = [scene_view(columns, length, row, title), pages]
     send_panels(out, t, often, seldom, panels)
     if out.fixed:
-        send_card(out, trajectory)
-        if not live:  # of a run that is on, the marks come at its end
-            send_marks(out, trajectory)
-            _send_points(out, trajectory, panels)
+        if live:  # the marks of a run that is on come at its end
+            send_card(out, trajectory)
+        else:
+            send_about(out, trajectory)
         out.stream.send_recording_name(run_name(meta))
         times = latest() if live else whole(t)
         out.stream.send_blueprint(blueprint(*times, views, panels, t, live))
@@ -61,24 +61,26 @@ def send_picture(out: Output, trajectory: Trajectory) -> None:
 
 
 def send_about(out: Output, trajectory: Trajectory) -> None:
-    """Send the card of a run, and its marks."""
+    """Send the card of a run, and its marks: a list, and points on the lines that are followed."""
     send_card(out, trajectory)
     send_marks(out, trajectory)
-
-
-def _send_points(out: Output, trajectory: Trajectory, panels: list[Panel]) -> None:
-    """Send the marks as points on the lines that a reader follows."""
     found = marks(trajectory)
-    for panel in panels:
+    for panel in steering_panels(trajectory.columns, trajectory.meta):
         line = marked_line(panel)
         if line is not None:
             send_points(out, trajectory["t"], panel, found, line)
 
 
-def _title(meta) -> str:
-    """Ship, task, controller, seed and outcome, which stand above the picture."""
+def _title(trajectory: Trajectory, length: float) -> str:
+    """What stands above the picture: the run, how it ended, and what surrounds the ship.
+
+    The labels in the picture say that too, but not all themes show them well.
+    """
+    meta = trajectory.meta
     outcome = meta.get("outcome")
-    return run_name(meta) + (f": {outcome}" if outcome else "")
+    run = run_name(meta) + (f": {outcome}" if outcome else "")
+    around = [arrow.labels[0] for arrow in scene.flow_arrows(trajectory.columns, length, meta)]
+    return ". ".join([run, ", ".join(around)]) if around else run
 
 
 def _log_scene(out, trajectory: Trajectory, points, ship, length, often, seldom) -> None:
@@ -154,7 +156,9 @@ def _log_compass(out, length: float, above: np.ndarray) -> None:
     ring, names = scene.compass_ring(length)
     ring = rr.LineStrips3D([line + above for line in ring], colors=_TRACK, radii=-0.6)
     log(out, FOLLOWED, ring)
-    names = rr.Points3D(names + above, labels=["N", "E", "S", "W"], colors=_TRACK, radii=-1.0)
+    names = rr.Points3D(
+        names + above, labels=["N", "E", "S", "W"], colors=scene.COMPASS, radii=-1.0
+    )
     log(out, f"{FOLLOWED}/names", names)
 
 

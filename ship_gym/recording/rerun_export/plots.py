@@ -12,17 +12,18 @@ import rerun.blueprint as rrb
 from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
 
 from ship_gym.recording.axes import USUAL, free_corner, y_range
-from ship_gym.recording.panels import STEERING, Panel
+from ship_gym.recording.panels import COURSE, STEERING, Panel
 from ship_gym.recording.rerun_export.log import Output
 from ship_gym.recording.rerun_export.rows import send_chosen
 
-_ENTITIES = {True: "plots/steering", False: "plots/more"}  # seen at once, and in the other tabs
+_OFTEN, _SELDOM = "plots/often", "plots/seldom"
+_FAST = (STEERING, COURSE)  # topics whose lines need every row
 _ARCHETYPE = "ShipGymPlot"
 _WIDTH, _THIN = 1.6, 1.0  # of a line [points]
 
 
 def send_panels(out: Output, t: np.ndarray, often, seldom, panels: list[Panel]) -> None:
-    """Send the lines of all plots: those seen at once in the rows `often`, the others `seldom`.
+    """Send the lines of all plots: what moves with the waves `often`, forces and flow `seldom`.
 
     Parameters
     ----------
@@ -33,10 +34,14 @@ def send_panels(out: Output, t: np.ndarray, often, seldom, panels: list[Panel]) 
         Rows, shapes (T,); those that are new are sent.
     panels : list of Panel
     """
-    for first, path in _ENTITIES.items():
-        chosen = [panel for panel in panels if (panel.topic == STEERING) == first]
+    for path, mask in ((_OFTEN, often), (_SELDOM, seldom)):
+        chosen = [panel for panel in panels if _entity(panel) == path]
         if chosen:
-            send_chosen(out, path, t, often if first else seldom, _lines(chosen))
+            send_chosen(out, path, t, mask, _lines(chosen))
+
+
+def _entity(panel: Panel) -> str:
+    return _OFTEN if panel.topic in _FAST else _SELDOM
 
 
 def _lines(panels: list[Panel]):
@@ -74,7 +79,7 @@ def plot_view(panel: Panel, t: np.ndarray, axis: rr.TimeRange, live: bool) -> rr
         ComponentSourceKind.SourceComponent,
         source_component=f"{_ARCHETYPE}:{panel.name}",
     )
-    path = _ENTITIES[panel.topic == STEERING]
+    path = _entity(panel)
     look = {} if live else _look(panel, t)
     return rrb.TimeSeriesView(
         origin=f"/{path}",
@@ -93,10 +98,8 @@ def _look(panel: Panel, t: np.ndarray) -> dict:
     ends = y_range(moving, limits, panel.robust)
     entries = len({series.label for series in panel.series})
     corner = free_corner(t, moving, ends, entries)
-    found = {}
-    if panel.topic == STEERING:  # each property costs a message, so the others have what is usual
-        found["axis_y"] = rrb.ScalarAxis(range=ends)
-        if entries < 2 or corner != USUAL:
-            place = getattr(rrb.Corner2D, corner)
-            found["plot_legend"] = rrb.PlotLegend(corner=place, visible=entries > 1)
+    found = {"axis_y": rrb.ScalarAxis(range=ends)}
+    if panel.topic == STEERING and (entries < 2 or corner != USUAL):
+        place = getattr(rrb.Corner2D, corner)
+        found["plot_legend"] = rrb.PlotLegend(corner=place, visible=entries > 1)
     return found

@@ -28,6 +28,7 @@ from ship_gym.recording.sealed import DamagedRecording, seal, verify
 from ship_gym.recording.trajectory import Trajectory
 
 _FORMAT = 2  # of /record; a reader refuses what it does not know
+COMPARISON = "/comparison"  # entity of a file that has no record, see `compare`
 _PIECE = 200  # rows that go together; each piece costs some 3 kB
 # Prefixes keep our names apart from rerun's own, and from each other: within one process rerun
 # remembers the type of every component name.
@@ -175,6 +176,8 @@ def _decoded(chunks: list[Chunk], path: str | os.PathLike, complete: bool):
 
 def _head(chunks: list[Chunk], path: str | os.PathLike) -> dict:
     heads = [chunk for chunk in chunks if chunk.entity_path == "/record/meta"]
+    if not heads and any(chunk.entity_path == COMPARISON for chunk in chunks):
+        raise DamagedRecording(f"{path} is a comparison of runs, which has no record of its own")
     if not heads:
         raise DamagedRecording(f"{path} is a rerun file, but not a recording of Ship Gym")
     head = json.loads(heads[0].to_record_batch().column(f"{_HEAD}:json")[0][0].as_py())
