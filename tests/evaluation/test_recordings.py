@@ -48,7 +48,7 @@ def test_a_csv_has_the_metrics_of_the_episode(tmp_path, sailed):
 
 
 def test_a_task_without_metrics_is_recorded_all_the_same(tmp_path, sailed, monkeypatch):
-    none = dataclasses.replace(sailed.task, measure=None)
+    none = dataclasses.replace(sailed.task, metrics={}, measure=None)
     monkeypatch.setattr(recordings, "TASKS", {sailed.task.name: none})
     assert keep(sailed.trajectory(0), tmp_path / "a.csv").metrics == {}
 
