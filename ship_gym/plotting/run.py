@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
+from ship_gym.config import ConfigError
 from ship_gym.plotting.figure import DASHED, FAINT, INK, headline, picture
 from ship_gym.recording.axes import y_range
 from ship_gym.recording.card import run_name
@@ -26,13 +27,21 @@ def plot_run(trajectory: Trajectory, path: str | os.PathLike) -> None:
     trajectory : Trajectory
     path : path-like
         PNG file; an interrupted write leaves an existing one as it was.
+
+    Raises
+    ------
+    ConfigError
+        It has no column that is plotted.
     """
     columns, meta = trajectory.columns, trajectory.meta
     panels = steering_panels(columns, meta) + motion_panels(columns)
-    rows = -(-len(panels) // _COLUMNS)
+    if not panels:
+        raise ConfigError(f"columns {trajectory.names}: nothing to plot")
+    across = min(_COLUMNS, len(panels))
+    rows = -(-len(panels) // across)
     with picture(path, 13.0, 1.0 + 2.1 * rows) as figure:
         headline(figure, run_name(meta), _details(trajectory))
-        places = figure.subplots(rows, _COLUMNS, squeeze=False, sharex=True)
+        places = figure.subplots(rows, across, squeeze=False, sharex=True)
         found = marks(trajectory)
         for axes, panel in zip(places.T.ravel(), panels, strict=False):
             _plot(axes, trajectory["t"], panel, found)
