@@ -10,6 +10,7 @@ import numpy as np
 
 from ship_gym.conventions import FLOW_OF_UNITS, FORCE_AXES, FORCE_COMPONENTS, N_FLOW, X, Y
 from ship_gym.physics.waves import WAVE_ROLL, WAVE_YAW
+from ship_gym.sea.surface import wave_entries
 
 if TYPE_CHECKING:
     from ship_gym.envs.episodes import EpisodeBatch
@@ -68,7 +69,13 @@ class Screen:
             ship, plots = episodes.ships[self._index], episodes.task.plots
             self._live = LiveView(ship, self._title(), plots=plots)
         scene = self.scene()
-        self._live.show(scene.row() | self._forces(), scene.track)
+        self._live.show(scene.row() | self._forces(), scene.track, self._sea(scene))
+
+    def _sea(self, scene: Scene) -> dict[str, object]:
+        """What the meta of a recording says of the waves."""
+        names = ("wave_height", "wave_period", "wave_direction_to")
+        waves = wave_entries(self._episodes.sim.water.waves_of(self._index))
+        return {"sea": {name: getattr(scene, name) for name in names}, "waves": waves}
 
     def _title(self) -> str:
         return self._episodes.scenario.task.replace("_", " ").capitalize()

@@ -80,7 +80,12 @@ class LiveView:
         elif "://" in self._sink:
             _check_listening(self._sink)
 
-    def show(self, row: Mapping[str, float], track: np.ndarray | None = None) -> None:
+    def show(
+        self,
+        row: Mapping[str, float],
+        track: np.ndarray | None = None,
+        sea: Mapping[str, Any] | None = None,
+    ) -> None:
         """Show one row; one that is earlier than the last begins a new episode.
 
         Parameters
@@ -90,6 +95,8 @@ class LiveView:
             the same names. A row of the same time as the last one is left out.
         track : numpy.ndarray, optional
             Way-points north, east [m], shape (W, 2), which the first row of an episode shows.
+        sea : mapping, optional
+            Of an episode: ``sea`` and ``waves`` as in the meta of a recording.
 
         Raises
         ------
@@ -101,7 +108,7 @@ class LiveView:
         if self._last is not None and now < self._last:
             self._end_episode()
         if self._last is None:
-            self._begin_episode(row, track)
+            self._begin_episode(row, track, sea)
         elif now == self._last:
             return
         self._append(row)
@@ -118,7 +125,7 @@ class LiveView:
         if self._last is not None:
             self._end_episode()
 
-    def _begin_episode(self, row: Mapping[str, float], track: np.ndarray | None) -> None:
+    def _begin_episode(self, row: Mapping[str, float], track, sea) -> None:
         self._episode += 1
         # A wave-frequency motion that is zero at first is that of calm water; it is not shown.
         self._names = [k for k in row if not (k.startswith("wave_") and row[k] == 0.0)]
@@ -126,7 +133,7 @@ class LiveView:
         self._rows = np.zeros((256, len(self._names)))
         self._count, self._seen, self._half = 0, (), 0.0
         self._meta = {"task": self._title, "ship": _drawn(self._ship), "episode": self._episode}
-        self._meta |= self._plots
+        self._meta |= {**self._plots, **(sea or {})}
         if track is not None:
             self._meta["waypoints"] = np.asarray(track).tolist()
         if self._sink is not None and "://" not in self._sink:
@@ -191,6 +198,7 @@ def _drawn(ship: Ship) -> dict[str, object]:
     """What a picture needs of a ship, as ``Trajectory`` keeps it."""
     hull = ship.hull
     sizes = {"L": hull.L, "B": hull.B, "d": hull.d, "A_R": ship.rudder.A_R, "D_P": ship.propeller.D}
+    sizes["delta_max"] = ship.gear.delta_max
     return {"name": ship.name, **sizes}
 
 

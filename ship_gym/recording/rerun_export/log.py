@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-import shutil
-import sys
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import rerun as rr
 
+from ship_gym.recording.rerun_export.program import HOST, NoViewer, Program, listens
+
 TIMELINE = "sim_time"
+PORT = 9876  # of a viewer for live views, which is rerun's own
+_VIEWERS: list[Program] = []  # that were opened here; they stay open when this process ends
 
 
 @dataclass
@@ -56,12 +56,20 @@ def open_stream(name: str, sink: str | None) -> rr.RecordingStream:
         If no viewer can be opened.
     """
     stream = rr.RecordingStream(name)
-    if sink is None:
-        program = shutil.which("rerun") or shutil.which("rerun", path=Path(sys.executable).parent)
-        rr.spawn(recording=stream, executable_path=program)
-    else:
-        stream.connect_grpc(sink)
+    stream.connect_grpc(open_viewer() if sink is None else sink)
     return stream
+
+
+def open_viewer() -> str:
+    """Address of a viewer that is open on this machine, or else is opened, on loopback only."""
+    if not listens(PORT):
+        try:
+            program = Program(["--expect-data-soon"], PORT, detached=True)
+            program.until(lambda: listens(PORT))
+        except NoViewer as error:
+            raise RuntimeError(str(error)) from error
+        _VIEWERS.append(program)
+    return f"rerun+http://{HOST}:{PORT}/proxy"
 
 
 def log(out: Output, path: str, archetype) -> None:
@@ -72,23 +80,3 @@ def log(out: Output, path: str, archetype) -> None:
 def log_style(out: Output, path: str, archetype: type, **style) -> None:
     """Log what stays the same of an entity whose geometry changes in time."""
     log(out, path, archetype.from_fields(**style))
-
-
-def send_rows(
-    out: Output, path: str, t: np.ndarray, rows: Callable[[np.ndarray], Iterable]
-) -> None:
-    """Send `rows` of the times that are new, a mask of shape (T,)."""
-    new = t > out.sent
-    if new.any():
-        times = np.round(t[new] * 1e9).astype("timedelta64[ns]")
-        clock = rr.TimeColumn(TIMELINE, duration=times)
-        rr.send_columns(path, [clock], rows(new), recording=out.stream, strict=True)
-
-
-def send_pose(out: Output, path: str, t: np.ndarray, places, turns) -> None:
-    """Send places (T, 3) [m] and turns (T, 4) of an entity."""
-
-    def rows(new):
-        return rr.Transform3D.columns(translation=places[new], quaternion=turns[new])
-
-    send_rows(out, path, t, rows)

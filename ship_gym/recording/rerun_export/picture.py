@@ -9,7 +9,7 @@ import rerun.blueprint as rrb
 from ship_gym.recording import hull_shape, plan, scene
 from ship_gym.recording.card import run_name
 from ship_gym.recording.marks import marks
-from ship_gym.recording.panels import Panel, motion_panels, steering_panels
+from ship_gym.recording.panels import motion_panels, steering_panels
 from ship_gym.recording.rerun_export.annotations import send_card, send_marks, send_points
 from ship_gym.recording.rerun_export.blueprint import (
     FOLLOWED,
@@ -50,10 +50,10 @@ def send_picture(out: Output, trajectory: Trajectory) -> None:
         views = [scene_view(columns, length, row, title), pages]
     send_panels(out, t, often, seldom, panels)
     if out.fixed:
-        send_card(out, trajectory)
-        if not live:  # of a run that is on, the marks come at its end
-            send_marks(out, trajectory)
-            _send_points(out, trajectory, panels)
+        if live:  # the marks of a run that is on come at its end
+            send_card(out, trajectory)
+        else:
+            send_about(out, trajectory)
         out.stream.send_recording_name(run_name(meta))
         times = latest() if live else whole(t)
         out.stream.send_blueprint(blueprint(*times, views, panels, t, live))
@@ -61,15 +61,11 @@ def send_picture(out: Output, trajectory: Trajectory) -> None:
 
 
 def send_about(out: Output, trajectory: Trajectory) -> None:
-    """Send the card of a run, and its marks."""
+    """Send the card of a run, and its marks: a list, and points on the lines that are followed."""
     send_card(out, trajectory)
     send_marks(out, trajectory)
-
-
-def _send_points(out: Output, trajectory: Trajectory, panels: list[Panel]) -> None:
-    """Send the marks as points on the lines that a reader follows."""
     found = marks(trajectory)
-    for panel in panels:
+    for panel in steering_panels(trajectory.columns, trajectory.meta):
         line = marked_line(panel)
         if line is not None:
             send_points(out, trajectory["t"], panel, found, line)

@@ -39,9 +39,11 @@ class Program:
         Beside those of the address.
     port : int
         Where it listens.
+    detached : bool
+        Whether it stays when this process is interrupted.
     """
 
-    def __init__(self, arguments: Sequence[str], port: int):
+    def __init__(self, arguments: Sequence[str], port: int, detached: bool = False):
         self.port = port
         self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self._log = Path(self._folder.name) / "log"
@@ -53,6 +55,7 @@ class Program:
                 stdout=log,
                 stderr=log,
                 env=os.environ | _QUIET,
+                start_new_session=detached,
             )
 
     def until(self, ready: Callable[[], Any]) -> Any:
