@@ -123,11 +123,10 @@ def _send_turns(out: Output, path: str, t, chosen, place, angle: np.ndarray, axi
     """Send turns by `angle` [rad], shape (T,), about an axis at a place that stays, (3,) [m]."""
     angle = np.round(angle * _FINE) / _FINE
     turns = scene.turned(angle, axis)
-    if out.fixed:
-        log_style(out, path, rr.Transform3D, translation=place)
+    places = np.broadcast_to(place, (len(t), 3))  # a static one would not count beside the turns
 
     def rows(new):
-        return rr.Transform3D.columns(quaternion=turns[new])
+        return rr.Transform3D.columns(translation=places[new], quaternion=turns[new])
 
     send_chosen(out, path, t, chosen & changes(angle), rows)
 
