@@ -19,6 +19,7 @@ import numpy as np
 from ship_gym.recording import DamagedRecording, Recorder, Trajectory
 
 LONGEST = 120.0  # after which a process counts as hanging [s]
+_HIDDEN = ", and a hidden temporary file"
 SMALL = 200_000  # bytes of the full disk
 _PACE = 0.5  # time in which the recording that is killed gets its rows [s]
 _CHUNK = 16  # rows
@@ -107,9 +108,12 @@ def killed(folder: str, run: Trajectory, row: int, after: float) -> str:
     child.kill()
     child.join()
     found = _left(path, run, told.value)
-    if litter := [file for file in os.listdir(folder) if file not in _NAMES]:
-        return f"{found}; leaves {len(litter)} half-written file"
-    return found
+    others = [file for file in os.listdir(folder) if file not in _NAMES]
+    if not others:
+        return found
+    # The file is written under a hidden name, which it leaves when it is whole.
+    hidden = all(file.startswith(".run-") for file in others)
+    return found + (_HIDDEN if hidden else f"; leaves {others}")
 
 
 _NAMES = ("run.rrd", "run.rrd.partial")

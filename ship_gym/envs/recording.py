@@ -199,7 +199,7 @@ class EpisodeRecording:
         value = self._value(trajectory)
         if value is not None and self._options.takes(trajectory):
             self._stream(i)
-            run.stream.write(trajectory)
+            run.stream.finish(outcome, trajectory)
             self._keep(value, run.file)
         return None
 

@@ -84,15 +84,21 @@ class Streamed:
             columns = self._conditions.columns(self._log.part(self._place, first, stop))
             self._recorder.add(np.array(list(columns.values())).T)
 
-    def finish(self, outcome: int) -> None:
-        """Write the file of the episode, whose last row the log has (`EpisodeLog.end`)."""
+    def finish(self, outcome: int, trajectory: Trajectory | None = None) -> None:
+        """Write the file of the episode, whose last row the log has (`EpisodeLog.end`).
+
+        Parameters
+        ----------
+        outcome : int
+            See ``Conditions.trajectory``.
+        trajectory : Trajectory, optional
+            If it is there already.
+        """
         stop = int(self._log.lengths[self._place]) + 1
         self._hand_over(stop)
-        rows = self._log.part(self._place, 0, stop)
-        self.write(self._conditions.trajectory(rows, outcome, self._about))
-
-    def write(self, trajectory: Trajectory) -> None:
-        """Write the file of an episode that is over, from its recording."""
+        if trajectory is None:
+            rows = self._log.part(self._place, 0, stop)
+            trajectory = self._conditions.trajectory(rows, outcome, self._about)
         self._recorder.finish(trajectory)
 
     def leave(self) -> None:

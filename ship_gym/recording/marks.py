@@ -151,7 +151,7 @@ def _beyond(trajectory: Trajectory) -> Iterator[tuple[str, np.ndarray]]:
     ship, columns = section(trajectory.meta, "ship"), trajectory.columns
     corridor = section(trajectory.meta, "limits").get("corridor")  # [m]
     if corridor is not None and "off_route" in columns:
-        yield f"outside the corridor of {corridor:.3g} m", np.abs(columns["off_route"]) > corridor
+        yield f"outside the corridor of {corridor:.0f} m", np.abs(columns["off_route"]) > corridor
     if {"u", "v", "psi"} <= columns.keys() and ship.get("speed"):
         slow = speed_through_water(columns) < _SLOW * ship["speed"]
         yield "slower through the water than half the nominal speed", slow
@@ -185,7 +185,7 @@ def _longest(
 def _failure(trajectory: Trajectory) -> Iterator[Mark]:
     """Begin of the scenario's failure, at the control interval that has it first."""
     given = section(trajectory.meta, "config", "failure")
-    texts = list(_failing(given))
+    texts = list(_failing(given, time_unit(trajectory.meta)))
     if not texts:
         return
     time, interval = given.get("time", 0.0), trajectory.meta["config"].get("control_interval")
@@ -196,8 +196,8 @@ def _failure(trajectory: Trajectory) -> Iterator[Mark]:
         yield Mark(time, "failure", "; ".join(texts))
 
 
-def _failing(given: Mapping[str, Any]) -> Iterator[str]:
-    """Say what of a section ``failure`` fails."""
+def _failing(given: Mapping[str, Any], unit: float) -> Iterator[str]:
+    """Say what of a section ``failure`` fails; its times are full scale, see `time_unit`."""
     rate, propeller = given.get("rudder_rate", 1.0), given.get("propeller_speed")
     if rate == 0.0:
         yield "the rudder is stuck"
@@ -208,7 +208,7 @@ def _failing(given: Mapping[str, Any]) -> Iterator[str]:
     if given.get("heading_bias_deg"):
         yield f"the gyro is wrong by {given['heading_bias_deg']:+.3g}{DEGREE}"
     if given.get("dropout"):
-        yield f"the gyro is lost for {given['dropout']:.3g} s at full scale"
+        yield f"the gyro is lost for {seconds(given['dropout'] / unit)}"
 
 
 def _legs(trajectory: Trajectory) -> Iterator[Mark]:

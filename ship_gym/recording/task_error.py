@@ -41,9 +41,10 @@ class TaskError:
 
     def text(self, row: int) -> str:
         """The error in a row, with its sign and unit."""
+        value = self.values[row]
         if self.unit == "deg":
-            return f"{self.values[row]:+.1f}{DEGREE}"
-        return f"{self.values[row]:+.3g} {self.unit}"
+            return f"{value:+.1f}{DEGREE}"
+        return f"{value:+.0f} {self.unit}" if abs(value) >= 100.0 else f"{value:+.3g} {self.unit}"
 
 
 def task_error(trajectory: Trajectory) -> TaskError | None:

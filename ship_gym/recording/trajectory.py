@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ship_gym.config import ConfigError
 from ship_gym.provenance import atomic_path
 
 _NO_RERUN = 'recordings as .rrd need rerun: pip install "ship-gym[rerun]"'
@@ -89,8 +90,14 @@ class Trajectory:
         Parameters
         ----------
         path : path-like
-            File to write; an interrupted write leaves an existing file as it was.
+            File ``*.csv`` to write; an interrupted write leaves an existing file as it was.
+
+        Raises
+        ------
+        ConfigError
+            Another extension.
         """
+        _check_extension(path, ".csv")
         head = ["Ship Gym trajectory; SI units, angles in rad; the meta as JSON:"]
         head += json.dumps(self.meta, indent=1).splitlines()
         rows = zip(*(column.tolist() for column in self.columns.values()), strict=True)
@@ -106,17 +113,20 @@ class Trajectory:
         Parameters
         ----------
         path : path-like
-            File to write; an interrupted write leaves an existing file as it was.
+            File ``*.rrd`` to write; an interrupted write leaves an existing file as it was.
         picture : bool
             Whether it holds what the viewer shows, or only the record.
 
         Raises
         ------
+        ConfigError
+            Another extension.
         ImportError
             If rerun-sdk is not installed.
         OSError
             If it cannot be written, as on a full disk; names the file.
         """
+        _check_extension(path, ".rrd")
         import_rerun_export().write_rrd(self, path, picture=picture)
 
     @classmethod
@@ -165,6 +175,12 @@ class Trajectory:
 
             return cls(*read_journal(path))
         raise ValueError(f"{path}: a recording is a file *.rrd or *.rrd.partial")
+
+
+def _check_extension(path: str | os.PathLike, allowed: str) -> None:
+    """Refuse a file whose name says that it is of another format."""
+    if os.path.splitext(path)[1].lower() != allowed:
+        raise ConfigError(f"path = {os.fspath(path)!r}: allowed is a {allowed} file")
 
 
 def import_rerun_export():

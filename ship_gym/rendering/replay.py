@@ -163,22 +163,33 @@ def write_video(
         Another ending than .mp4, a rate, speed or size that is not possible, or what `scene_at`
         refuses.
     OSError
-        The file cannot be written.
+        The file cannot be written; names it.
     """
     if Path(path).suffix != ".mp4":
         raise ConfigError(f"{path}: a video is a file *.mp4")
     rows = video_rows(trajectory, fps, speed)
-    av = _import_av()
     scene_at(trajectory, 0)  # refused before anything is written
-    with atomic_path(path) as temporary:  # a place that cannot be written is refused at once
-        data = io.BytesIO()  # so that a full disk is found by Python, not within a library
-        with av.open(data, "w", format="mp4") as file:
-            stream = file.add_stream("libx264", rate=fps, options=_ENCODING)
-            stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
-            for picture in frames(trajectory, progress(rows) if progress else rows, width, height):
-                file.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
-            file.mux(stream.encode())
-        temporary.write_bytes(data.getvalue())
+    shown = progress(rows) if progress else rows
+    try:
+        with atomic_path(path) as temporary:  # a place that cannot be written is found at once
+            pictures = frames(trajectory, shown, width, height)
+            temporary.write_bytes(_encoded(pictures, fps, (width, height)))
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise OSError(f"{path}: the video could not be written: {why}") from error
+
+
+def _encoded(pictures: Iterable[np.ndarray], fps: int, size: tuple[int, int]) -> bytes:
+    """An mp4 file of pictures; in memory, so that a full disk is found by Python."""
+    av = _import_av()
+    data = io.BytesIO()
+    with av.open(data, "w", format="mp4") as file:
+        stream = file.add_stream("libx264", rate=fps, options=_ENCODING)
+        (stream.width, stream.height), stream.pix_fmt = size, "yuv420p"
+        for picture in pictures:
+            file.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        file.mux(stream.encode())
+    return data.getvalue()
 
 
 def video_rows(trajectory: Trajectory, fps: int = 25, speed: float | None = None) -> list[int]:

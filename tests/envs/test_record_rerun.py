@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from types import SimpleNamespace
 
 import gymnasium as gym
 import numpy as np
@@ -324,23 +325,31 @@ def test_a_copy_of_the_environment_records_nothing(tmp_path):
     assert [(m["seed"], m["outcome"]) for m in metas] == [(1, "cut short"), (2, "end of time")]
 
 
-def test_a_file_that_cannot_be_written_is_one_error_and_the_environment_sails_on(
-    tmp_path, monkeypatch
-):
-    from ship_gym.recording.recorder import Recorder
+@pytest.mark.parametrize("keep", ["all", lambda t: True], ids=["streamed", "in memory"])
+@pytest.mark.parametrize("at", ["add", "finish"])
+def test_a_full_disk_is_one_error_and_the_environment_sails_on(tmp_path, monkeypatch, keep, at):
+    """Whether the rows or the file find no room; what is there of the episode stays."""
+    from ship_gym.recording import recorder
 
-    env = ShipEnv(overrides=SHORT, record={"folder": tmp_path, **FAST})
-
-    def full(self, trajectory):
+    def full(*given, **options):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Recorder, "finish", full)
-    with pytest.raises(OSError, match="No space"):
-        sail(env, 1)
-    monkeypatch.undo()
+    record = {"folder": tmp_path, "keep": keep, **FAST}
+    env = ShipEnv(overrides={"duration": 30.0}, record=record)
+    with monkeypatch.context() as patched:
+        if at == "add":
+            patched.setattr(recorder.Journal, "append", full)
+        else:
+            export = SimpleNamespace(write_rrd=full)
+            patched.setattr(recorder, "import_rerun_export", lambda: export)
+        with pytest.raises(OSError, match="No space"):
+            sail(env, 1)
     sail(env, 2)
     env.close()
     assert names(tmp_path) == ["episode-000000-seed-1.rrd.partial", "episode-000001-seed-2.rrd"]
+    left = tmp_path / "episode-000000-seed-1.rrd.partial"
+    if at == "finish":
+        assert len(Trajectory.from_file(left)) == 31
 
 
 @pytest.mark.parametrize(

@@ -162,6 +162,13 @@ def test_failure_begins_in_the_ship_s_own_time(scale, time):
     assert of("failure", trajectory) == [(time, "the rudder moves at 10 % of its rate")]
 
 
+def test_lost_gyro_comes_back_in_the_ship_s_own_time():
+    config = CONFIG | {"failure": {"time": 20.0, "dropout": 60.0, "heading_bias_deg": -5.0}}
+    trajectory = run(config=config, ship=SHIP | {"scale": 4.0})
+    text = "the gyro is wrong by -5\N{DEGREE SIGN}; the gyro is lost for 30 s"
+    assert of("failure", trajectory) == [(10.0, text)]
+
+
 def test_failure_that_is_none_or_comes_after_the_end_is_not_marked():
     nothing = {"time": 0.0, "rudder_rate": 1.0, "propeller_speed": None, "heading_bias_deg": 0.0}
     assert of("failure", run(config=CONFIG | {"failure": nothing})) == []

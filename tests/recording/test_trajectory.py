@@ -11,6 +11,7 @@ import sys
 import numpy as np
 import pytest
 
+from ship_gym.config import ConfigError
 from ship_gym.recording import Trajectory
 
 T = np.array([0.0, 0.1, 0.3])
@@ -116,3 +117,14 @@ def test_missing_rerun_says_what_to_install(tmp_path, monkeypatch):
 def test_import_leaves_rerun_alone():
     code = "import sys, ship_gym.recording; sys.exit('rerun' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("name", ["run.csv", "run.txt", "run", "run.rrd.partial"])
+def test_the_extension_says_the_format(tmp_path, name):
+    run = Trajectory({"t": T})
+    with pytest.raises(ConfigError, match=r"allowed is a \.rrd file"):
+        run.to_rrd(tmp_path / name)
+    if name != "run.csv":
+        with pytest.raises(ConfigError, match=r"allowed is a \.csv file"):
+            run.to_csv(tmp_path / name)
+    assert not list(tmp_path.iterdir())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import errno
 import os
 
 import numpy as np
@@ -161,6 +162,18 @@ def test_broken_off_video_leaves_the_old_file(run, tmp_path):
         replay.write_video(run, path, progress=broken)
     assert path.read_bytes() == b"old"
     assert os.listdir(tmp_path) == ["run.mp4"]
+
+
+def test_full_disk_is_one_line_that_names_the_video(run, tmp_path, monkeypatch):
+    pytest.importorskip("av")
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("pathlib.Path.write_bytes", full)
+    with pytest.raises(OSError, match=r"run\.mp4: the video could not be written: No space left"):
+        replay.write_video(run, tmp_path / "run.mp4", fps=1, speed=20.0)
+    assert os.listdir(tmp_path) == []
 
 
 def test_video_is_an_mp4_and_needs_av(run, tmp_path, monkeypatch):

@@ -1,9 +1,13 @@
 import json
 import shlex
+from pathlib import Path
 
 import pytest
+from ship_gym_agents.sail_again import sail_again
 
 from ship_gym.evaluation import metrics, read_results
+from ship_gym.evaluation.report import judge
+from ship_gym.evaluation.report.episodes import episode
 from ship_gym.evaluation.run_folder import RunFolder
 from ship_gym.recording import Trajectory
 from tests.evaluation.benchmarking import write_suite
@@ -54,6 +58,38 @@ def test_the_next_line_records_exactly_the_worst_episode(small, cli):
     worst = max((r for r in first if r["controller"] != "constant"), key=lambda r: r["value"])
     assert (again["controller"], again["seed"]) == (worst["controller"], worst["seed"])
     assert again["metrics"] == {name: worst[name] for name in again["metrics"]}
+
+
+def test_the_next_line_brings_the_task_of_ones_own(cli, tmp_path):
+    pytest.importorskip("rerun")
+    (tmp_path / "mine.toml").write_text(_OWN_TASK.format(HOLD_YAW_RATE))
+    (tmp_path / "short.toml").write_text('base = "hold_yaw_rate"\nduration = 20.0\n')
+    given = ("--suite", "mine.toml", "--seeds", 2, "--jobs", 1, "--controllers", "constant")
+    code, out, err = cli("benchmark", *given, "--record", "--no-report", "--json")
+    assert code == 0, err
+    (file,) = (tmp_path / "runs/benchmark/episodes").iterdir()
+    recorded = Trajectory.from_rrd(file)
+    judged = judge(read_results("runs/benchmark"))
+    again = episode(judged, judged.events[0], "constant", recorded.meta["seed"])
+    assert again.task == str(HOLD_YAW_RATE)
+    code, out, err = cli(*shlex.split(again.command)[1:], "--json")
+    assert code == 0, err
+    assert json.loads(out)["metrics"] == metrics(recorded)
+    assert metrics(sail_again(again)) == metrics(recorded)
+
+
+HOLD_YAW_RATE = Path(__file__).parents[1] / "recipes" / "hold_yaw_rate.py"
+_OWN_TASK = """
+name = "mine"
+version = "1"
+title = "Mine"
+ships = ["kcs"]
+controllers = ["constant"]
+tasks = ["{}"]
+
+[[scenario]]
+name = "short.toml"
+"""
 
 
 def test_the_worst_episode_of_each_controller_is_recorded_and_linked(small, tmp_path):

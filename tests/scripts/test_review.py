@@ -171,7 +171,17 @@ def test_list_and_show_are_enough_for_the_worst(cli, folder, sailed):
     meta = worst(sailed)
     name = f"runs/{meta['controller']}_{meta['seed']}.rrd"
     assert code == 0 and f"next: ship-gym review show {name}" in out, err
-    assert out.startswith("1 of 6 runs")
+    assert out.startswith("1 of 6 runs, 1 unreadable; left out, for they have no J_steady: 3\n")
+
+
+def test_failed_runs_are_worse_than_others(cli, sailed, tmp_path):
+    """As for ship-gym record --worst, whatever their metric is."""
+    meta = worst(sailed)
+    good = next(run for run in sailed if run.meta["seed"] != meta["seed"])
+    for name, run, failed in (("good", good, True), ("bad", sailed[2], False)):
+        with_meta(run, failed=failed).to_rrd(tmp_path / f"{name}.rrd", picture=False)
+    rows = json.loads(cli("review", "list", ".", "--worst", "2", "--json")[1])["runs"]
+    assert [row["file"] for row in rows] == ["good.rrd", "bad.rrd"]
 
 
 def test_list_filters_and_sorts(cli, folder):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +88,8 @@ def command(as_json, suites, resume, record, report, trials, **options) -> None:
     again = _again(suites, options | {"trials": trials}) + (" --record" if record else "")
     suites, hulls = split(suites, trials)
     if not suites:
+        if record:
+            raise click.UsageError("--record: of episodes; a suite of manoeuvres has none")
         moved = sail_suites(hulls, report=report, command=again, **options)
         show(as_json, moved.data, moved.text)
         return
@@ -169,10 +170,10 @@ def _next(judged: Any, recorded: Path | None) -> str | None:
     """The command that shows the recordings, or records the worst episode of the first cell."""
     from ship_gym.evaluation.report.episodes import episode, worst_of
     from ship_gym.evaluation.run_folder import RECORDINGS
-    from ship_gym_agents.cli.output import next_command
+    from ship_gym_agents.cli.review.files import next_review
 
     if recorded is not None:
-        return f"{next_command('review')} list {shlex.quote(str(recorded / RECORDINGS))}"
+        return next_review("list", recorded / RECORDINGS)
     for event in judged.events:
         if worst := worst_of(event):
             return episode(judged, event, *worst).command

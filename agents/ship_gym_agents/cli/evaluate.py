@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import Any
 
@@ -52,9 +51,10 @@ def command(
 
     Intervals: 95 % bootstrap over the episodes. Failed episodes are the worst.
     """
-    from ship_gym.evaluation import compare, evaluation_seeds, table
+    from ship_gym.evaluation import compare, evaluation_seeds
     from ship_gym_agents.cli import evaluate_episodes as shown
-    from ship_gym_agents.cli.output import next_command, place, show
+    from ship_gym_agents.cli.output import place, show
+    from ship_gym_agents.cli.review.files import next_review
 
     shown.check_which(which, record)
     out = place(out, _folder(policies) / "evaluation.json")
@@ -71,14 +71,21 @@ def command(
         files = shown.recorded(rollouts, found["episodes"], which or ("worst",), record)
         wrote.append(f"{len(files)} recordings in {record}")
         data["recordings"] = [str(file) for file in files]
-        following = f"{next_command('review')} list {shlex.quote(str(record))}"
-        following += "" if task is None else f" --task {shlex.quote(task)}"
-    text = (
+        following = next_review("list", record, *(["--task", task] if task else []))
+    text = f"{_tables(found, markdown)}\n\nwrote {', '.join(wrote)}\nnext: {following}"
+    show(as_json, {**found, **data, "next": following}, text)
+
+
+def _tables(found: dict[str, Any], markdown: bool) -> str:
+    from ship_gym.evaluation import table
+    from ship_gym_agents.cli.evaluate_episodes import extremes_table
+
+    seeds = found["seeds"]
+    return (
         f"{found['ship']}, {len(seeds)} episodes (seeds {seeds[0]} to {seeds[-1]}), interquartile "
         f"mean [95 % interval]; success: mean\n{table(found, markdown)}\n\n"
-        f"{shown.extremes_table(found, markdown)}\n\nwrote {', '.join(wrote)}\nnext: {following}"
+        f"{extremes_table(found, markdown)}"
     )
-    show(as_json, {**found, **data, "next": following}, text)
 
 
 def _again(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -152,7 +151,7 @@ def _bar(controller: Any) -> Any:
 
 def _told(found: Sequence, why: Sequence[dict], places: Places, task: str | None) -> tuple:
     """The result for JSON and for people."""
-    from ship_gym_agents.cli.output import next_command
+    from ship_gym_agents.cli.review.files import next_review
 
     recordings = [one.plain() | more for one, more in zip(found, why, strict=True)]
     data = recordings[0] if len(found) == 1 else {"recordings": recordings}
@@ -160,7 +159,8 @@ def _told(found: Sequence, why: Sequence[dict], places: Places, task: str | None
     text = f"{tables(found, why)}\n\nwrote {where}"
     if places.suffix != ".rrd":
         return data, text
-    what, place = ("show", found[0].file) if len(found) == 1 else ("list", places.folder)
-    following = f"{next_command('review')} {what} {shlex.quote(str(place))}"
-    following += "" if task is None else f" --task {shlex.quote(task)}"
+    if len(found) == 1:
+        following = next_review("show", found[0].file)
+    else:
+        following = next_review("list", places.folder, *(["--task", task] if task else []))
     return data | {"next": following}, f"{text}\nnext: {following}"

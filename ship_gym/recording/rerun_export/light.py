@@ -1,69 +1,80 @@
-"""A window of rerun's viewer in its light theme, on a screen that nobody sees.
+"""The light theme of rerun's viewer, which no argument sets: a click in its settings does.
 
-Without a window the viewer is always dark, and no argument sets the theme of one: it comes from the
-settings of the last session, so a window gets a folder of settings of its own.
+The program that clicks is part of rerun's: ``rerun viewer-mcp`` takes lines of JSON-RPC and answers
+in lines, see modelcontextprotocol.io.
 """
 
 from __future__ import annotations
 
-import contextlib
-import shutil
+import json
 import subprocess
-import sys
-import tempfile
-from collections.abc import Iterator
-from pathlib import Path
+import time
+from typing import IO, Any
 
-import rerun as rr
+from rerun.experimental import ViewerClient
 
-from ship_gym.recording.rerun_export.program import NoViewer, end
+from ship_gym.recording.rerun_export.program import HOST, PATIENCE, PAUSE, NoViewer, end, path
 
-_XVFB = "Xvfb"
-_SETTINGS = """{
-"rerun.version": "%s",
-"egui": "(options:(theme_preference:Light))"
+_HELLO = {
+    "protocolVersion": "2025-03-26",
+    "capabilities": {},
+    "clientInfo": {"name": "ship-gym", "version": "1"},
 }
-"""
+# the pointer is drawn, too
+_AWAY = {"name": "hover", "arguments": {"pos": {"x": -100.0, "y": -100.0}}}
 
 
-@contextlib.contextmanager
-def light_window(size: tuple[int, int]) -> Iterator[tuple[list[str], dict[str, str]]]:
-    """Give the arguments and the environment of a viewer in the light theme.
+def make_light(client: ViewerClient, port: int) -> None:
+    """Set the light theme of a viewer that shows nothing yet.
 
     Raises
     ------
     NoViewer
-        This is not Linux, or Xvfb is not installed.
+        Its settings have no such button.
     """
-    program = shutil.which(_XVFB)
-    if not sys.platform.startswith("linux") or program is None:
-        raise NoViewer("a light picture needs Xvfb on Linux (Debian, Ubuntu: xvfb)")
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        settings = Path(folder) / "rerun" / "app.ron"
-        settings.parent.mkdir()
-        settings.write_text(_SETTINGS % rr.__version__)
-        with _screen(program, size) as display:
-            environment = {"DISPLAY": display, "WAYLAND_DISPLAY": "", "XDG_DATA_HOME": folder}
-            yield ["--persist-state"], environment
-
-
-@contextlib.contextmanager
-def _screen(program: str, size: tuple[int, int]) -> Iterator[str]:
-    """Give the name of a screen in memory."""
-    width, height = size
-    screen = ["-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp"]
-    process = subprocess.Popen(
-        [program, "-displayfd", "1", *screen],
-        stdin=subprocess.DEVNULL,
+    client.run_command("ui.open_settings")
+    clicks = subprocess.Popen(
+        [path(), "viewer-mcp", "--endpoint", f"http://{HOST}:{port}"],
+        stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         text=True,
     )
     try:
-        number = process.stdout.readline().strip()  # once it is ready
-        if not number:
-            raise NoViewer(f"{_XVFB} did not start")
-        yield f":{number}"
+        _ask(clicks, 0, "initialize", _HELLO)
+        _tell(clicks.stdin, {"method": "notifications/initialized"})
+        _click(clicks, "Light")
+        _ask(clicks, -1, "tools/call", _AWAY)
     finally:
-        process.stdout.close()
-        end(process)
+        clicks.stdin.close()
+        end(clicks)
+        clicks.stdout.close()
+
+
+def _click(clicks: subprocess.Popen, label: str) -> None:
+    """Click a button as soon as it is drawn."""
+    until, number = time.monotonic() + PATIENCE, 0
+    while True:
+        number += 1
+        given = {"name": "click", "arguments": {"label_contains": label}}
+        answer = _ask(clicks, number, "tools/call", given)
+        if not answer.get("error") and not answer.get("result", {}).get("isError"):
+            return
+        if time.monotonic() > until:
+            raise NoViewer(f"rerun's viewer: its settings have no button {label!r}")
+        time.sleep(PAUSE)
+
+
+def _ask(clicks: subprocess.Popen, number: int, method: str, given: dict) -> dict[str, Any]:
+    """The answer to a request."""
+    _tell(clicks.stdin, {"id": number, "method": method, "params": given})
+    for line in clicks.stdout:
+        answer = json.loads(line)
+        if answer.get("id") == number:
+            return answer
+    raise NoViewer("rerun's viewer: the program that clicks in it ended")
+
+
+def _tell(stream: IO[str], message: dict) -> None:
+    stream.write(json.dumps({"jsonrpc": "2.0", **message}) + "\n")
+    stream.flush()

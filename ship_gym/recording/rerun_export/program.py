@@ -12,7 +12,7 @@ import socket
 import subprocess
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -39,29 +39,22 @@ class Program:
         Beside those of the address.
     port : int
         Where it listens.
-    environment : mapping
-        Beside that of this process.
     detached : bool
         Whether it stays when this process is interrupted.
     """
 
-    def __init__(
-        self,
-        arguments: Sequence[str],
-        port: int,
-        environment: Mapping[str, str] | None = None,
-        detached: bool = False,
-    ):
+    def __init__(self, arguments: Sequence[str], port: int, detached: bool = False):
+        self.port = port
         self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self._log = Path(self._folder.name) / "log"
-        command = [_path(), "--bind", HOST, "--port", str(port), "--hide-welcome-screen"]
+        command = [path(), "--bind", HOST, "--port", str(port), "--hide-welcome-screen"]
         with self._log.open("wb") as log:
             self.process = subprocess.Popen(
                 [*command, *arguments],
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=log,
-                env=os.environ | _QUIET | dict(environment or {}),
+                env=os.environ | _QUIET,
                 start_new_session=detached,
             )
 
@@ -110,7 +103,7 @@ def end(process: subprocess.Popen) -> None:
             process.wait()
 
 
-def _path() -> str:
+def path() -> str:
     """Rerun's program itself: its Python script would start it as a further process."""
     folder = Path(rerun_cli.__file__).parent
     found = [str(folder / name) for name in _PROGRAMS if (folder / name).is_file()]

@@ -6,14 +6,14 @@ import contextlib
 import os
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from urllib.parse import quote
 
 from rerun.experimental import ViewerClient
 
 from ship_gym.provenance import atomic_path
-from ship_gym.recording.rerun_export.light import light_window
+from ship_gym.recording.rerun_export.light import make_light
 from ship_gym.recording.rerun_export.log import TIMELINE
 from ship_gym.recording.rerun_export.program import (
     HOST,
@@ -123,19 +123,17 @@ def screenshot(
     size : tuple of int
         Width and height [pixels].
     light : bool
-        In the light theme, see ``light``.
+        In the light theme instead of the dark one.
 
     Raises
     ------
     NoViewer
-        No graphics driver is found, the viewer broke off, or no light picture can be taken here.
+        No graphics driver is found, or the viewer broke off.
     """
-    with contextlib.ExitStack() as stack:
-        arguments, environment = ["--headless"], {}
+    arguments = ["--headless", "--window-size", f"{size[0]}x{size[1]}"]
+    with _running(arguments) as (program, client):
         if light:
-            arguments, environment = stack.enter_context(light_window(size))
-        arguments += ["--window-size", f"{size[0]}x{size[1]}"]
-        _, client = stack.enter_context(_running(arguments, environment))
+            make_light(client, program.port)
         client.open(os.fspath(Path(path).absolute()))
         end = _loaded(client)
         client.set_time(TIMELINE, duration=end if time is None else time, play_state="paused")
@@ -145,12 +143,10 @@ def screenshot(
 
 
 @contextlib.contextmanager
-def _running(
-    arguments: Sequence[str], environment: Mapping[str, str] | None = None
-) -> Iterator[tuple[Program, ViewerClient]]:
+def _running(arguments: Sequence[str]) -> Iterator[tuple[Program, ViewerClient]]:
     """A viewer that answers, with what speaks to it; ended with the block."""
     (port,) = free_ports(1)
-    program = Program(arguments, port, environment)
+    program = Program(arguments, port)
     try:
         yield program, program.until(lambda: _client(port))
     except (ConnectionError, RuntimeError) as error:

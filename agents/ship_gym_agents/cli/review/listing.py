@@ -39,7 +39,9 @@ _USUAL = ("rudder_travel", "speed_loss")  # metrics beside the headline
 )
 @click.option("--sort", metavar="FIELD", help="By this field, small ones first.")
 @click.option("--reverse", is_flag=True, help="Large ones first; alone: by the name of the file.")
-@click.option("--worst", type=whole(1, 10**6), help="Only so many, the worst first.")
+@click.option(
+    "--worst", type=whole(1, 10**6), help="Only so many, the worst first; failed before others."
+)
 @click.option("--by", metavar="METRIC", help="Of --worst; default: the headline of the task.")
 @click.option("--metrics", "shown", cls=Several, metavar="METRIC", help="Show these, too.")
 @click.option("--task", type=Name("tasks"), help="Their task, if it is your own FILE.py[:NAME].")
@@ -65,9 +67,10 @@ def command(as_json, folders, conditions, sort, reverse, worst, by, shown, task,
     left_out = ""
     if worst is not None:
         by = by or _headline_of(kept)
-        lacking = sum(run.value(by) is None for run in kept)
-        left_out = f"; left out, for they have no {by}: {lacking}" if lacking else ""
-        kept = _worst(kept, by, worst)
+        from_worst = _from_worst(kept, by)
+        if lacking := len(kept) - len(from_worst):
+            left_out = f"; left out, for they have no {by}: {lacking}"
+        kept = from_worst[:worst]
     elif sort or reverse:
         kept = selection.ordered(kept, sort or "file", reverse)
     named = [*shown, *fields, *filter(None, [sort, by])]
@@ -118,12 +121,14 @@ def _headline(run: Run) -> str | None:
 
 
 def _headline_of(runs: Sequence[Run]) -> str:
-    """The headline that all episodes have."""
+    """The headline that all episodes have; of too short ones the return, as for record."""
     from ship_gym.config import ConfigError
+    from ship_gym.evaluation.choice import deciding
 
     found = {str(run.value("task")): name for run in runs if (name := _headline(run))}
     if len(set(found.values())) == 1:
-        return next(iter(found.values()))
+        (name,) = set(found.values())
+        return deciding(name, {key: [run.value(key) for run in runs] for key in (name, "return")})
     if not found:
         raise ConfigError(
             "--worst: no episode of a known task is among the runs; of your own task name "
@@ -136,19 +141,20 @@ def _headline_of(runs: Sequence[Run]) -> str:
     )
 
 
-def _worst(runs: Sequence[Run], by: str, count: int) -> list[Run]:
-    """The worst runs that have a metric, the worst one first."""
+def _from_worst(runs: Sequence[Run], by: str) -> list[Run]:
+    """The runs that have a metric or failed, the worst one first, as for ``ship-gym record``."""
     from ship_gym.config import ConfigError
-    from ship_gym.recording.selection import ordered
+    from ship_gym.evaluation.choice import ranked
     from ship_gym.tasks.metrics import all_metrics
 
     known = all_metrics()
     if by not in known:
         raise ConfigError(f"--by {by}: nothing says whether less of it is better; use --sort {by}")
-    having = [run for run in runs if run.value(by) is not None]
-    if not having:
+    values, failed = [run.value(by) for run in runs], [run.value("failed") == "yes" for run in runs]
+    found = [runs[i] for i in reversed(ranked(values, known[by].better, failed))]
+    if not found:
         raise ConfigError(f"--worst: none of the runs has {by}; give --by METRIC")
-    return ordered(having, by, reverse=known[by].better == "lower")[:count]
+    return found
 
 
 def _row(run: Run) -> dict[str, Any]:
