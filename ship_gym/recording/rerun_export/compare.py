@@ -35,7 +35,8 @@ from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.wave_grid import wave_grid
 
 _FORMAT, _HEAD = 1, "ShipGymComparison"
-_GRID, _TICK, _ROUTE = (62, 78, 96), (160, 172, 184), (206, 160, 80)
+_GRID, _TICK, _ROUTE = (62, 78, 96), (12, 88, 190), (206, 160, 80)
+_WHITE = (240, 240, 235)
 _GHOST = 120  # opacity of the other ships, of 255
 _MOST_POINTS = 1000  # of a track
 _EDGE = 25.0  # of the sea beyond the tracks [L]
@@ -69,12 +70,8 @@ def write_comparison(
         The file cannot be written; names it.
     """
     data = _encoded(runs_of(trajectories, names))
-    try:
-        with atomic_path(path) as temporary:
-            temporary.write_bytes(data)
-    except OSError as error:
-        why = error.strerror or str(error)
-        raise OSError(f"{path}: the comparison could not be written: {why}") from error
+    with atomic_path(path) as temporary:
+        temporary.write_bytes(data)
 
 
 def read_comparison(path: str | os.PathLike) -> dict[str, Any]:
@@ -161,10 +158,9 @@ def _log_sea(out: Output, first: Run, tracks: np.ndarray, length: float) -> np.n
     points, shown = scene.positions(first.trajectory.columns), shown_rows(len(first.t), False)
     send_water(out, grid, first.t, points, shown)
     ring, names = scene.compass_ring(length)
-    white = (240, 240, 235)
     ring = [line + above for line in ring]
-    log(out, FOLLOWED, rr.LineStrips3D(ring, colors=white, radii=-0.6))
-    letters = rr.Points3D(names + above, labels=["N", "E", "S", "W"], colors=white, radii=-1.0)
+    log(out, FOLLOWED, rr.LineStrips3D(ring, colors=_WHITE, radii=-0.6))
+    letters = rr.Points3D(names + above, labels=["N", "E", "S", "W"], colors=_WHITE, radii=-1.0)
     log(out, f"{FOLLOWED}/names", letters)
 
     def rows(new):
@@ -203,8 +199,7 @@ def _log_run(out: Output, run: Run, number: int, length: float, above: np.ndarra
     path = f"world/runs/{number}"
     _log_ship(out, path, sizes, (*run.color, 255 if number == 0 else _GHOST))
     high = (0.25 + 0.1 * number) * length  # names of ships in one place do not hide each other
-    pale = [(9 * part + 7 * 255) // 16 for part in run.color]  # is written on a dark ground
-    label = rr.Points3D([[0.0, 0.0, -high]], labels=[run.name], colors=[pale], radii=0.0)
+    label = rr.Points3D([[0.0, 0.0, -high]], labels=[run.name], colors=[_WHITE], radii=0.0)
     log(out, f"{path}/name", label)
     chosen = shown_rows(len(run.t), False)
     _send_pose(out, path, run.t, chosen, *scene.pose(columns))

@@ -27,7 +27,7 @@ from ship_gym.recording.rerun_export.water import send_water
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.wave_grid import wave_grid
 
-_TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (24, 96, 196)
+_TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (12, 88, 190)
 _WHITE, _BRONZE, _STEEL = (226, 226, 220), (206, 160, 80), (120, 128, 138)
 _FINE = 256.0  # turns of the hull, the rudder and the propeller are in parts of this
 
@@ -123,11 +123,10 @@ def _send_turns(out: Output, path: str, t, chosen, place, angle: np.ndarray, axi
     """Send turns by `angle` [rad], shape (T,), about an axis at a place that stays, (3,) [m]."""
     angle = np.round(angle * _FINE) / _FINE
     turns = scene.turned(angle, axis)
-    if out.fixed:
-        log_style(out, path, rr.Transform3D, translation=place)
+    places = np.broadcast_to(place, (len(t), 3))  # a static one would not count beside the turns
 
     def rows(new):
-        return rr.Transform3D.columns(quaternion=turns[new])
+        return rr.Transform3D.columns(translation=places[new], quaternion=turns[new])
 
     send_chosen(out, path, t, chosen & changes(angle), rows)
 
