@@ -12,8 +12,8 @@ from ship_gym.config import ConfigError
 from ship_gym.recording.card import scenario_name
 from ship_gym.recording.marks import time_unit
 from ship_gym.recording.panels import Panel, Series
-from ship_gym.recording.surroundings import speed_through_water
-from ship_gym.recording.task_error import section, task_error
+from ship_gym.recording.surroundings import section, speed_through_water
+from ship_gym.recording.task_error import task_error
 
 if TYPE_CHECKING:
     from ship_gym.recording.trajectory import Trajectory

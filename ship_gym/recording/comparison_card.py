@@ -12,7 +12,7 @@ import numpy as np
 from ship_gym.recording.card import facts, number
 from ship_gym.recording.comparison import Run
 from ship_gym.recording.library import stored_metrics
-from ship_gym.recording.task_error import section
+from ship_gym.recording.surroundings import section
 from ship_gym.text import table
 
 if TYPE_CHECKING:
