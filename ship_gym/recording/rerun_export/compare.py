@@ -90,13 +90,15 @@ def read_comparison(path: str | os.PathLike) -> dict[str, Any]:
 
 def _encoded(runs: Sequence[Run]) -> bytes:
     """The file: the head as rerun encodes it, then the picture, sealed."""
-    stream = rr.RecordingStream("ship_gym_comparison")
+    listed = sources(runs)
+    # A viewer shares layout and axes between recordings of one id, so these runs have their own.
+    stream = rr.RecordingStream("_".join(["ship_gym", *(one["content"][:8] for one in listed)]))
     if not rr.is_enabled(stream):
         raise OSError("rerun records nothing: the environment has RERUN=off")
     try:
         source = stream.binary_stream()
         out = Output(stream)
-        head = json.dumps({"format": _FORMAT, "kind": "comparison", "sources": sources(runs)})
+        head = json.dumps({"format": _FORMAT, "kind": "comparison", "sources": listed})
         column = rr.DynamicArchetype.columns(archetype=_HEAD, components={"json": [head]})
         rr.send_columns(COMPARISON[1:], [], column, recording=stream, strict=True)
         record = source.read() or b""
