@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -19,7 +21,7 @@ from ship_gym.recording.recorder import Recorder
 
 pytest.importorskip("rerun")
 
-from ship_gym.recording.rerun_export import viewer
+from ship_gym.recording.rerun_export import program, viewer
 
 
 def with_meta(run, **more):
@@ -286,6 +288,22 @@ def test_show_web_prints_an_address_of_this_machine(cli, folder, monkeypatch):
     code, out, err = cli("review", "show", "--web", "runs/pid_1000001.rrd", "--json")
     assert (code, err) == (0, "") and Served.ended
     assert json.loads(out)["address"] == Served.address
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_server_ends_with_the_verb(folder, number):
+    words = ["review", "show", "--web", "runs/pid_1000001.rrd", "--json"]
+    code = f"from ship_gym_agents.cli import main; main({words})"
+    verb = subprocess.Popen(
+        [sys.executable, "-c", code], cwd=folder.parent, stdout=subprocess.PIPE, text=True
+    )
+    text = "".join(iter(verb.stdout.readline, "}\n")) + "}"
+    port = int(re.search(r":(\d+)/", json.loads(text)["address"])[1])
+    assert program.listens(port)
+    verb.send_signal(number)
+    assert verb.wait(30) == 0 and not program.listens(port)
+    verb.stdout.close()
 
 
 def test_export_writes_tables_and_plots(cli, folder, sailed, tmp_path):
