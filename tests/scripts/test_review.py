@@ -388,7 +388,11 @@ def test_compare_puts_runs_side_by_side(cli, folder, sailed, monkeypatch):
     assert (first["name"], second["name"]) == ("pid", "constant")
     assert second["metrics"] == constant
     assert second["differences"]["J_1"] == constant["J_1"] - pid["J_1"]
+    assert first["content"] != second["content"]
     assert "less pid" in cli("review", "compare", *names, "--out", "runs/both.rrd")[1]
+    same = cli("review", "compare", names[0], names[0], "--out", "runs/both.rrd")[1]
+    assert same.startswith("the content of all is the same, bit for bit\n")
+    assert cli("review", "compare", *names, "--out", "runs/both.rrd")[0] == 0
     rows = json.loads(cli("review", "list", "runs", "--where", "kind==comparison", "--json")[1])
     assert [row["file"] for row in rows["runs"]] == ["runs/both.rrd"]
     seen = []
