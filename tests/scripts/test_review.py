@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -19,7 +21,7 @@ from ship_gym.recording.recorder import Recorder
 
 pytest.importorskip("rerun")
 
-from ship_gym.recording.rerun_export import viewer
+from ship_gym.recording.rerun_export import program, viewer
 
 
 def with_meta(run, **more):
@@ -288,6 +290,22 @@ def test_show_web_prints_an_address_of_this_machine(cli, folder, monkeypatch):
     assert json.loads(out)["address"] == Served.address
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_server_ends_with_the_verb(folder, number):
+    words = ["review", "show", "--web", "runs/pid_1000001.rrd", "--json"]
+    code = f"from ship_gym_agents.cli import main; main({words})"
+    verb = subprocess.Popen(
+        [sys.executable, "-c", code], cwd=folder.parent, stdout=subprocess.PIPE, text=True
+    )
+    text = "".join(iter(verb.stdout.readline, "}\n")) + "}"
+    port = int(re.search(r":(\d+)/", json.loads(text)["address"])[1])
+    assert program.listens(port)
+    verb.send_signal(number)
+    assert verb.wait(30) == 0 and not program.listens(port)
+    verb.stdout.close()
+
+
 def test_export_writes_tables_and_plots(cli, folder, sailed, tmp_path):
     code, out, err = cli("review", "export", "runs/pid_1000001.rrd", "--out", "a.csv")
     assert code == 0 and out == "wrote a.csv\n", err
@@ -370,7 +388,11 @@ def test_compare_puts_runs_side_by_side(cli, folder, sailed, monkeypatch):
     assert (first["name"], second["name"]) == ("pid", "constant")
     assert second["metrics"] == constant
     assert second["differences"]["J_1"] == constant["J_1"] - pid["J_1"]
+    assert first["content"] != second["content"]
     assert "less pid" in cli("review", "compare", *names, "--out", "runs/both.rrd")[1]
+    same = cli("review", "compare", names[0], names[0], "--out", "runs/both.rrd")[1]
+    assert same.startswith("the content of all is the same, bit for bit\n")
+    assert cli("review", "compare", *names, "--out", "runs/both.rrd")[0] == 0
     rows = json.loads(cli("review", "list", "runs", "--where", "kind==comparison", "--json")[1])
     assert [row["file"] for row in rows["runs"]] == ["runs/both.rrd"]
     seen = []
