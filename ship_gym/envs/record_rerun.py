@@ -66,10 +66,11 @@ class RecordRerun(gym.Wrapper, RecordConstructorArgs):
     Raises
     ------
     ConfigError
-        An option that is not allowed, before anything is written.
+        An option that is not allowed, or a folder into which nothing can be written.
     OSError
-        Nothing can be written there; later, from ``step``, a file that could not be written, such
-        as on a full disk. That episode is then recorded no more, the environment is as it was.
+        From ``step`` or ``reset``: a file that could not be written, such as on a full disk. That
+        episode is recorded no more; its step may have been sailed: go on with a ``reset``. The same
+        holds for what a function of `episodes` or `keep` raises.
     """
 
     def __init__(
@@ -88,9 +89,12 @@ class RecordRerun(gym.Wrapper, RecordConstructorArgs):
     ):
         given = {"episodes": episodes, "keep": keep, "by": by, "most": most, "name": name}
         given |= {"controller": controller, "policy": policy, "picture": picture}
-        RecordConstructorArgs.__init__(self, folder=folder, **given)
+        made = RecordingOptions(folder, **given)
+        paths = {"folder": folder, "policy": policy}  # text: a spec is stored as JSON
+        paths = {name: None if path is None else os.fspath(path) for name, path in paths.items()}
+        RecordConstructorArgs.__init__(self, **{**given, **paths})
         gym.Wrapper.__init__(self, env)
-        self._recording = _recording(env.unwrapped, ShipEnv, RecordingOptions(folder, **given))
+        self._recording = _recording(env.unwrapped, ShipEnv, made)
 
     @property
     def files(self) -> list[Path]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import dataclasses
 import os
 import re
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError, check_known
+from ship_gym.provenance import check_place
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.tasks.base import Task
 from ship_gym.tasks.metrics import metrics_of
@@ -95,15 +95,18 @@ class RecordingOptions:
         return name, -1.0 if known[name].better == "higher" else 1.0
 
     def make_folder(self) -> None:
-        """Make the folder and see that files can be made in it.
+        """Make the folder.
 
         Raises
         ------
-        OSError
+        ConfigError
+            No file could be made in it.
         """
-        self.folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=self.folder):
-            pass
+        check_place(self.folder, "folder", folder=True)
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ConfigError(f"folder {self.folder}: cannot be made: {error.strerror}") from None
 
     @property
     def is_worst(self) -> bool:

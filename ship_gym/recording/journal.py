@@ -43,6 +43,8 @@ class BeingWritten(ConfigError):
 class Journal:
     """A journal that is being written, held by a lock; one that a dead run left is overwritten.
 
+    Only the process that has opened it writes it: a forked one has the same file in its hands.
+
     Parameters
     ----------
     path : path-like
@@ -64,7 +66,7 @@ class Journal:
         self.path = Path(path)
         self._file = _opened(self.path)
         self._size, self._digest = 0, b""
-        self._chunks = 0  # of rows
+        self._chunks, self._process = 0, os.getpid()  # chunks: of rows
         try:
             self._write(_LINE)
             head = {"columns": list(names), "meta": dict(meta)}
@@ -89,11 +91,14 @@ class Journal:
         """Remove the file."""
         if os.name == "nt":  # which removes no open file
             self._file.close()
-        with contextlib.suppress(FileNotFoundError):
-            self.path.unlink()
+        if self._process == os.getpid():
+            with contextlib.suppress(FileNotFoundError):
+                self.path.unlink()
         self._file.close()
 
     def _append(self, tag: bytes, payload: bytes) -> None:
+        if self._process != os.getpid():
+            return
         block = _BLOCK.pack(tag, len(payload)) + payload
         digest = _chained(self._digest, block)
         self._write(block + digest)

@@ -49,7 +49,7 @@ def metrics(trajectory: Trajectory) -> dict[str, float | None]:
     -------
     dict of str to float or None
         The keys of `metrics_of` its task, with the units there. None where an episode has no such
-        value: a steady part, if it is all turn.
+        value: a steady part, if it is all turn; what `measure` gives as None, NaN or infinite.
 
     Raises
     ------
@@ -70,8 +70,8 @@ def metrics(trajectory: Trajectory) -> dict[str, float | None]:
             f"{sorted(task.metrics)}"
         )
     found = {**own, **measures.common(trajectory, task)}
-    values = {name: float(found[name]) for name in names}
-    return {name: None if math.isnan(value) else value for name, value in values.items()}
+    values = {name: math.nan if found[name] is None else float(found[name]) for name in names}
+    return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
 
 def _check(trajectory: Trajectory) -> None:

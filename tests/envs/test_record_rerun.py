@@ -1,6 +1,7 @@
 """RecordRerun and the option ``record``: which episodes have a file, and that it is the episode."""
 
 import copy
+import os
 import signal
 import subprocess
 import sys
@@ -152,6 +153,7 @@ def test_a_file_that_another_process_has_just_begun_is_left_to_it(tmp_path, monk
     from ship_gym.envs import recording
 
     held = Journal(tmp_path / "episode-000000-seed-1.rrd.partial", ["t"], {})
+    held.append(np.zeros((1, 1)))
     monkeypatch.setattr(recording, "journal_path", lambda path: tmp_path / "unseen")
     env = ShipEnv(overrides=SHORT, record={"folder": tmp_path, **FAST})
     sail(env, 1)
@@ -360,6 +362,51 @@ def test_a_process_that_is_ended_leaves_the_rows_so_far(tmp_path, way):
     assert found.meta["seed"] == 1 and not found.complete
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+def test_a_forked_process_leaves_the_journal_alone(tmp_path):
+    script = f"""
+        import numpy as np, os, sys
+        from ship_gym import ShipEnv
+        env = ShipEnv(overrides={{"duration": 600.0}}, record={str(tmp_path)!r})
+        env.reset(seed=1)
+        for k in range(40):
+            if k == 20 and (child := os.fork()) == 0:
+                sys.exit(0)  # which leaves the journals
+            env.step(np.zeros(1))
+        os.waitpid(child, 0)
+    """
+    subprocess.run([sys.executable, "-c", textwrap.dedent(script)], check=True)
+    (left,) = tmp_path.iterdir()
+    assert len(Trajectory.from_file(left)) == 40
+
+
+def test_the_spec_of_a_wrapped_environment_makes_it_again(tmp_path):
+    env = RecordRerun(gym.make(ID, overrides=SHORT), tmp_path, **FAST)
+    spec = gym.envs.registration.EnvSpec.from_json(env.spec.to_json())
+    again = gym.make(spec)
+    assert isinstance(again, RecordRerun)
+    sail(again, 3)
+    again.close()
+    assert names(tmp_path) == ["episode-000000-seed-3.rrd"]
+
+
+def test_after_an_error_a_reset_goes_on_as_if_there_had_been_none(tmp_path):
+    def keep(trajectory):
+        raise RuntimeError("no")
+
+    env = ShipVectorEnv(2, overrides=SHORT, record={"folder": tmp_path, "keep": keep, **FAST})
+    plain = ShipVectorEnv(2, overrides=SHORT)
+    env.reset(seed=1)
+    with pytest.raises(RuntimeError, match="no"):
+        for _ in range(12):
+            env.step(np.zeros((2, 1)))
+    for one in (env, plain):
+        one.reset(seed=9)
+    for _ in range(11):
+        seen, expected = (one.step(np.full((2, 1), 0.3))[0] for one in (env, plain))
+        assert np.array_equal(seen, expected)
+
+
 def test_a_copy_of_the_environment_records_nothing(tmp_path):
     env = ShipEnv(overrides=SHORT, record={"folder": tmp_path, **FAST})
     env.reset(seed=1)
@@ -394,10 +441,11 @@ def test_a_full_disk_is_one_error_and_the_environment_sails_on(tmp_path, monkeyp
             sail(env, 1)
     sail(env, 2)
     env.close()
-    assert names(tmp_path) == ["episode-000000-seed-1.rrd.partial", "episode-000001-seed-2.rrd"]
     left = tmp_path / "episode-000000-seed-1.rrd.partial"
     if at == "finish":
         assert len(Trajectory.from_file(left)) == 31
+        left.unlink()
+    assert names(tmp_path) == ["episode-000001-seed-2.rrd"]  # nothing of one without any row
 
 
 @pytest.mark.parametrize(
@@ -437,6 +485,9 @@ def test_what_cannot_be_recorded_is_refused(tmp_path):
         RecordRerunVector(many, tmp_path / "new")
     file = tmp_path / "file"
     file.write_text("")
-    with pytest.raises(OSError, match="file"):
+    with pytest.raises(ConfigError, match=r"^folder .*file: .* is a file, not a folder$"):
         ShipEnv(record=file)
+    if sys.platform == "linux":
+        with pytest.raises(ConfigError, match=r"^folder /proc/here: cannot write into /proc"):
+            ShipEnv(record="/proc/here")
     assert not (tmp_path / "new").exists()

@@ -1,3 +1,4 @@
+import dataclasses
 import math
 
 import numpy as np
@@ -11,6 +12,7 @@ from ship_gym.evaluation.controller import ConstantController
 from ship_gym.evaluation.metrics import metrics, metrics_of
 from ship_gym.evaluation.rollout import rollout
 from ship_gym.recording import Trajectory
+from ship_gym.tasks import TASKS
 from ship_gym.tasks.measures import overshoot, reversals, settling_time
 
 SPEED, DURATION, LIMIT, HARD_OVER = 8.0, 600.0, 60.0, 35.0
@@ -181,3 +183,15 @@ def test_metrics_of_the_file_are_those_of_the_episode(tmp_path):
 def test_other_recordings_are_refused():
     with pytest.raises(ConfigError, match=r"'zigzag'.*torque.*reward.*meta outcome"):
         metrics(Trajectory({"t": [0.0, 1.0]}, {"task": "zigzag"}))
+
+
+@pytest.mark.parametrize("value", [None, math.nan, math.inf])
+def test_a_value_that_is_no_number_is_none(monkeypatch, value):
+    """A recording could not hold it."""
+    task = TASKS["heading_keeping"]
+    own = list(task.metrics)
+    given = dataclasses.replace(task, measure=lambda _: dict.fromkeys(own, value))
+    monkeypatch.setitem(TASKS._known, task.name, given)
+    found = metrics(hand_made(np.full(601, 3.0), np.full(601, 2.0)))
+    assert {found[name] for name in own} == {None}
+    assert found["saturation"] == 0.0
