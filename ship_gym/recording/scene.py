@@ -24,7 +24,7 @@ _STRONG_WIND, _STRONG_CURRENT = 0.42, 0.032  # [sqrt(g L)], of a ship of 230 m 2
 _LOWEST, _APART = 0.12, 0.08  # height of their arrows above the water, and between them [L]
 # Of what has a label: its text has that colour, on a ground that the viewer makes dark or light.
 ORDERED, COMPASS = (222, 104, 0), (230, 84, 64)
-_VIOLET, _PINK, _GREEN = (144, 96, 250), (228, 48, 138), (0, 146, 64)
+_VIOLET, _PINK, _GREEN = (144, 96, 250), (228, 48, 138), (16, 158, 76)
 _HULL_RED, _HULL_BLUE, _DECK = (165, 62, 52), (70, 98, 145), (165, 135, 105)
 
 
