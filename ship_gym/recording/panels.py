@@ -235,7 +235,7 @@ def _reward_panel(columns: Columns) -> Panel:
         Series(name.removeprefix("reward_").replace("_", " "), _held(columns[name]), color)
         for name, color in zip(names, _PALETTE * 9, strict=False)
     ]
-    title = "Reward of an interval, by terms (axis without the largest tenth)"
+    title = "Reward of an interval, by terms"
     if "reward" in columns:
         whole = columns["reward"] if end is None else columns["reward"] - end
         found.append(Series("all" if names else "reward", _held(whole), GREY))

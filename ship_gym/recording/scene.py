@@ -23,8 +23,8 @@ _WIND, _WAVES, _CURRENT = (0.0, 0.3), (0.12, 0.1), (0.0, 0.0)  # see _incoming
 _STRONG_WIND, _STRONG_CURRENT = 0.42, 0.032  # [sqrt(g L)], of a ship of 230 m 20 and 1.5 m/s
 _LOWEST, _APART = 0.12, 0.08  # height of their arrows above the water, and between them [L]
 # Of what has a label: its text has that colour, on a ground that the viewer makes dark or light.
-ORDERED, COMPASS = (230, 96, 0), (228, 72, 56)
-_VIOLET, _MAGENTA, _GREEN = (148, 44, 224), (214, 0, 122), (0, 140, 52)
+ORDERED, COMPASS = (222, 104, 0), (230, 84, 64)
+_VIOLET, _PINK, _GREEN = (144, 96, 250), (228, 48, 138), (0, 146, 64)
 _HULL_RED, _HULL_BLUE, _DECK = (165, 62, 52), (70, 98, 145), (165, 135, 105)
 
 
@@ -172,7 +172,7 @@ def flow_arrows(columns: Columns, length: float, meta: Mapping | None = None) ->
         if share.any():
             text = f"wind {speed.mean():.1f} m/s from {bearing(origin[0])}"
             flow = origin + np.pi, share
-            found.append(_incoming("wind", text, *flow, length, _WIND, _MAGENTA))
+            found.append(_incoming("wind", text, *flow, length, _WIND, _PINK))
     if {"current_speed", "current_direction_to"} <= columns.keys():
         speed, to = columns["current_speed"], columns["current_direction_to"]
         share = _share(speed, _STRONG_CURRENT * scale)

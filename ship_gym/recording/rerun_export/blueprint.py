@@ -122,6 +122,8 @@ class _Packed(rrb.Blueprint):
         found = _Gathered()
         super()._log_to_stream(found)
         for (path, static), batches in found.batches.items():
+            if not batches:  # all is left to the viewer
+                continue
             columns = [_one_row(batch) for batch in batches]
             clock = [] if static else [rr.TimeColumn("blueprint", sequence=[0])]
             rr.send_columns(path, clock, columns, recording=stream, strict=True)

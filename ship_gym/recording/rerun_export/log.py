@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +38,14 @@ class Output:
     fixed: bool = True
     area: np.ndarray | None = None
     largest: dict[str, float] | None = None
+
+
+def application_id(name: str) -> str:
+    """Application id of a run with a name.
+
+    A viewer shares layout, ranges of axes and place of the eye between recordings of one id.
+    """
+    return "ship_gym_" + re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")
 
 
 def open_stream(name: str, sink: str | None) -> rr.RecordingStream:

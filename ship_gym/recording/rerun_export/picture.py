@@ -27,7 +27,7 @@ from ship_gym.recording.rerun_export.water import send_water
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.wave_grid import wave_grid
 
-_TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (24, 96, 196)
+_TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (12, 88, 190)
 _WHITE, _BRONZE, _STEEL = (226, 226, 220), (206, 160, 80), (120, 128, 138)
 _FINE = 256.0  # turns of the hull, the rudder and the propeller are in parts of this
 
@@ -89,7 +89,7 @@ def _log_scene(out, trajectory: Trajectory, points, ship, length, often, seldom)
     above = np.array([0.0, 0.0, -0.5 * grid.height - 0.004 * length])
     if out.fixed:
         log(out, "world", rr.ViewCoordinates.FRD)  # x north, y east, z down: right-handed
-        _log_compass(out, length, above)
+        log_compass(out, length, above)
     send_water(out, grid, t, points, often)
     places, turns = scene.pose(columns)
     _send_pose(out, "world/ship", t, often, places, turns)
@@ -123,11 +123,10 @@ def _send_turns(out: Output, path: str, t, chosen, place, angle: np.ndarray, axi
     """Send turns by `angle` [rad], shape (T,), about an axis at a place that stays, (3,) [m]."""
     angle = np.round(angle * _FINE) / _FINE
     turns = scene.turned(angle, axis)
-    if out.fixed:
-        log_style(out, path, rr.Transform3D, translation=place)
+    places = np.broadcast_to(place, (len(t), 3))  # a static one would not count beside the turns
 
     def rows(new):
-        return rr.Transform3D.columns(quaternion=turns[new])
+        return rr.Transform3D.columns(translation=places[new], quaternion=turns[new])
 
     send_chosen(out, path, t, chosen & changes(angle), rows)
 
@@ -151,7 +150,7 @@ def _send_pieces(out: Output, path: str, t, rows, pieces, archetype) -> None:
     send_chosen(out, path, t, chosen, lambda new: archetype.columns(strips=pieces[order[new]]))
 
 
-def _log_compass(out, length: float, above: np.ndarray) -> None:
+def log_compass(out, length: float, above: np.ndarray) -> None:
     """Log the compass ring, which moves with the ship but does not turn with it."""
     ring, names = scene.compass_ring(length)
     ring = rr.LineStrips3D([line + above for line in ring], colors=_TRACK, radii=-0.6)

@@ -19,6 +19,7 @@ from ship_gym.recording.rerun_export.rows import send_chosen
 _OFTEN, _SELDOM = "plots/often", "plots/seldom"
 _FAST = (STEERING, COURSE)  # topics whose lines need every row
 _ARCHETYPE = "ShipGymPlot"
+_CUT = " (axis without the largest tenth)"
 _WIDTH, _THIN = 1.6, 1.0  # of a line [points]
 
 
@@ -84,7 +85,7 @@ def plot_view(panel: Panel, t: np.ndarray, axis: rr.TimeRange, live: bool) -> rr
     return rrb.TimeSeriesView(
         origin=f"/{path}",
         contents=[f"/{path}", f"/{panel.path}/**"],
-        name=panel.title,
+        name=panel.title + (_CUT if panel.robust and not live else ""),
         overrides={path: lines.visualizer(mappings=[source])},
         axis_x=rrb.TimeAxis(view_range=axis),
         **look,

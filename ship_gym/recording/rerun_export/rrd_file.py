@@ -22,7 +22,8 @@ from rerun.chunk import Chunk, RrdReader
 from rerun.error_utils import RerunWarning
 
 from ship_gym.provenance import DiskFull, atomic_path
-from ship_gym.recording.rerun_export.log import TIMELINE, Output
+from ship_gym.recording.card import run_name
+from ship_gym.recording.rerun_export.log import TIMELINE, Output, application_id
 from ship_gym.recording.rerun_export.picture import send_picture
 from ship_gym.recording.sealed import DamagedRecording, seal, verify
 from ship_gym.recording.trajectory import Trajectory
@@ -70,7 +71,7 @@ def write_rrd(trajectory: Trajectory, path: str | os.PathLike, *, picture: bool 
 
 def _streams(trajectory: Trajectory, picture: bool) -> tuple[bytes, bytes]:
     """Record and picture as rerun encodes them."""
-    stream = rr.RecordingStream(f"ship_gym_{trajectory.meta.get('task', 'run')}")
+    stream = rr.RecordingStream(application_id(run_name(trajectory.meta)))
     if not rr.is_enabled(stream):
         raise OSError("rerun records nothing: the environment has RERUN=off")
     try:

@@ -11,7 +11,7 @@ from ship_gym.recording.wave_grid import SHADES, Grid
 
 _PATH = "world/sea"
 _DEEP, _BRIGHT = np.array([14, 52, 92]), np.array([108, 168, 204])
-_ALPHA = 205  # of 255: rudder and propeller are seen through it
+_ALPHA = 180  # of 255: rudder and propeller are seen through it
 
 
 def send_water(out: Output, grid: Grid, t: np.ndarray, points: np.ndarray, chosen) -> None:
