@@ -20,13 +20,13 @@ from ship_gym.recording.marks import marks
 from ship_gym.recording.panels import Panel
 from ship_gym.recording.rerun_export.annotations import CARD, MARKS
 from ship_gym.recording.rerun_export.blueprint import (
-    FOLLOWED,
     plan_view,
     scene_view,
     text_views,
     whole,
 )
 from ship_gym.recording.rerun_export.log import TIMELINE, Output, log, log_style
+from ship_gym.recording.rerun_export.picture import log_compass
 from ship_gym.recording.rerun_export.rows import changes, send_chosen, shown_rows, slow_rows
 from ship_gym.recording.rerun_export.rrd_file import COMPARISON, read_chunks
 from ship_gym.recording.rerun_export.water import send_water
@@ -159,11 +159,7 @@ def _log_sea(out: Output, first: Run, tracks: np.ndarray, length: float) -> np.n
     log(out, "world", rr.ViewCoordinates.FRD)  # x north, y east, z down: right-handed
     points, shown = scene.positions(first.trajectory.columns), shown_rows(len(first.t), False)
     send_water(out, grid, first.t, points, shown)
-    ring, names = scene.compass_ring(length)
-    ring = [line + above for line in ring]
-    log(out, FOLLOWED, rr.LineStrips3D(ring, colors=_WHITE, radii=-0.6))
-    letters = rr.Points3D(names + above, labels=["N", "E", "S", "W"], colors=_WHITE, radii=-1.0)
-    log(out, f"{FOLLOWED}/names", letters)
+    log_compass(out, length, above)
 
     def rows(new):
         return rr.Transform3D.columns(translation=points[new])
