@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import io
 import itertools
 import subprocess
 import sys
@@ -19,10 +18,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from _cli import parser, progress, run, show
+from _few_colours import write_small
 from _web_viewer import check_browser, photograph
 
 from ship_gym.config import check_known
-from ship_gym.provenance import atomic_path, check_place
+from ship_gym.provenance import check_place
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "recordings"
 EXAMPLES = (
@@ -30,7 +30,6 @@ EXAMPLES = (
     "python scripts/draw_recordings.py --only track_current --viewers native --out runs/pictures",
 )
 SIZE = (1920, 1080)
-COLOURS = 256  # of a picture: a fifth of the bytes
 VIEWERS, THEMES = ("native", "web"), ("dark", "light")
 
 
@@ -53,11 +52,9 @@ class Subject:
     run: str = ""
 
 
+_SS6 = ("--scenario", "heading_ss6_quartering")
 SUBJECTS = {
-    "sea_state_6": Subject(
-        (("record", "--scenario", "heading_ss6_quartering", "--controller", "pid"),),
-        "runs/rollout.rrd",
-    ),
+    "sea_state_6": Subject((("record", "--controller", "pid", *_SS6),), "runs/rollout.rrd"),
     "turning_circle": Subject(
         (("simulate", "turning", *"--ship kcs --sea ss5 --wave-from 45 --rrd turn.rrd".split()),),
         "turn.rrd",
@@ -67,8 +64,8 @@ SUBJECTS = {
     ),
     "pid_and_policy": Subject(
         (
-            ("record", "--controller", "pid", "--out", "pid.rrd"),
-            ("record", "--policy", "heading_kcs", "--out", "policy.rrd"),
+            ("record", "--controller", "pid", *_SS6, "--out", "pid.rrd"),
+            ("record", "--policy", "heading_kcs", *_SS6, "--out", "policy.rrd"),
             ("review", "compare", "pid.rrd", "policy.rrd", "--out", "compare.rrd"),
         ),
         "compare.rrd",
@@ -102,7 +99,7 @@ def main() -> None:
         }
         for name, viewer, theme in progress(pictures, "pictures"):
             file = args.out / f"{name}_{viewer}_{theme}.png"
-            write(DRAWN[viewer](*recorded[name], theme == "light"), file)
+            write_small(DRAWN[viewer](*recorded[name], theme == "light"), file)
             files.append(file)
     sizes = {str(file): file.stat().st_size for file in files}
     wrote = "\n".join(f"wrote {file} ({size / 1000.0:.0f} kB)" for file, size in sizes.items())
@@ -152,16 +149,6 @@ def _served(path: Path) -> Iterator[str]:
         yield server.address
     finally:
         server.stop()
-
-
-def write(png: bytes, file: Path) -> None:
-    """Write a picture with fewer colours, which nobody sees: the repository keeps it."""
-    from PIL import Image
-
-    picture = Image.open(io.BytesIO(png)).convert("RGB")
-    few = picture.quantize(COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-    with atomic_path(file) as temporary:
-        few.save(temporary, optimize=True)
 
 
 DRAWN = {"native": native, "web": web}

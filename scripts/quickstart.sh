@@ -79,7 +79,7 @@ cat <<NEXT
 ==> Try next
       source $VENV/bin/activate
       xdg-open $out/benchmark/report.html   # the page, in a browser
-      rerun $out/rollout.rrd              # watch the voyage
+      ship-gym review show $out/rollout.rrd   # watch the voyage
       ship-gym train --help               # another ship, sea, algorithm, longer
       ship-gym simulate --help            # other manoeuvres
 NEXT

@@ -92,7 +92,7 @@ CHECK
     ship-gym evaluate --policy runs/wheel --episodes 4 >/dev/null
     ship-gym evaluate --controller ppo_kcs pid --episodes 4 --out runs/pid.json
     ship-gym record --policy runs/wheel --out runs/voyage.rrd >/dev/null
-    ship-gym review runs/voyage.rrd
+    ship-gym review metrics runs/voyage.rrd
     ship-gym simulate --out runs/turn.png | tail -n 3
     ship-gym list ships
 }

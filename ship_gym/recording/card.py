@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ship_gym.recording.library import stored_metrics
 from ship_gym.recording.marks import bearing, marks, seconds, time_unit
-from ship_gym.recording.surroundings import Surroundings, surroundings
-from ship_gym.recording.task_error import section
+from ship_gym.recording.surroundings import Surroundings, section, surroundings
 from ship_gym.recording.turns import is_manoeuvre
 from ship_gym.text import table
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.recording.card import scenario_name
+from ship_gym.recording.card import facts, scenario_name
 from ship_gym.recording.marks import time_unit
 from ship_gym.recording.panels import Panel, Series
-from ship_gym.recording.surroundings import speed_through_water
-from ship_gym.recording.task_error import section, task_error
+from ship_gym.recording.surroundings import section, speed_through_water
+from ship_gym.recording.task_error import task_error
 
 if TYPE_CHECKING:
     from ship_gym.recording.trajectory import Trajectory
@@ -25,6 +25,7 @@ COLOURS = (
     (190, 140, 0), (86, 160, 213), (128, 128, 128), (140, 90, 60),
 )  # fmt: skip
 _COLUMNS = ("x", "y", "psi", "u", "v")
+_TELLING = ("Waves", "Wind", "Current", "Task", "Changed")  # facts that may name a run
 _FULL = 360.0  # [deg]
 
 
@@ -94,7 +95,10 @@ def _check_same(what: str, values: Sequence[Any], names: Sequence[str]) -> None:
 
 
 def labels(trajectories: Sequence[Trajectory]) -> list[str]:
-    """Names of runs: what differs of controller, seed, ship and scenario, else a number."""
+    """Names of runs: what differs of controller, seed, ship, scenario, else of the sea or changes.
+
+    A number where all that is the same.
+    """
     parts = [
         [one.meta.get("controller") or None for one in trajectories],
         [
@@ -106,9 +110,14 @@ def labels(trajectories: Sequence[Trajectory]) -> list[str]:
     ]
     kept = [part for part in parts if len(set(part)) > 1] or parts[:1]
     found = [", ".join(filter(None, words)) for words in zip(*kept, strict=True)]
-    if len(set(found)) < len(found):
-        found = [f"{name or 'run'} ({k})" for k, name in enumerate(found, start=1)]
-    return [name or f"run {k}" for k, name in enumerate(found, start=1)]
+    if len(set(found)) == len(found):
+        return [name or "run" for name in found]
+    about = [dict(facts(one)) for one in trajectories]
+    for key in about[0]:
+        texts = [f"{key.lower()} {one.get(key, 'not known')}" for one in about]
+        if key in _TELLING and len(set(texts)) == len(texts):
+            return [", ".join(filter(None, both)) for both in zip(found, texts, strict=True)]
+    return [f"{name or 'run'} ({k})" for k, name in enumerate(found, start=1)]
 
 
 def quantities(runs: Sequence[Run]) -> list[Quantity]:

@@ -12,7 +12,7 @@ import numpy as np
 from ship_gym.recording.card import facts, number
 from ship_gym.recording.comparison import Run
 from ship_gym.recording.library import stored_metrics
-from ship_gym.recording.task_error import section
+from ship_gym.recording.surroundings import section
 from ship_gym.text import table
 
 if TYPE_CHECKING:
@@ -62,7 +62,8 @@ def comparison_card(runs: Sequence[Run]) -> str:
     names = [run.name for run in runs]
     same, different = _facts(runs)
     parts = [f"# {' against '.join(names)}", "\n".join(f"- {note}" for note in notes(runs))]
-    parts.append(table(["", *names], different, markdown=True))
+    if different:
+        parts.append(table(["", *names], different, markdown=True))
     if rows := [*_metrics(runs)]:
         header = ["Metric", "Unit", names[0]]
         for name in names[1:]:
@@ -75,12 +76,15 @@ def comparison_card(runs: Sequence[Run]) -> str:
 
 def _facts(runs: Sequence[Run]) -> tuple[list[list[str]], list[list[str]]]:
     """Facts of the single cards: those that all share, and the others beside each other."""
-    found = [dict(facts(run.trajectory)) for run in runs]
+    found = []
+    for run in runs:
+        outcome = run.trajectory.meta.get("outcome")
+        ends = {} if outcome is None else {"Outcome": str(outcome)}
+        found.append(ends | dict(facts(run.trajectory)))
     keys = dict.fromkeys(key for one in found for key in one)
     rows = [[key, *(one.get(key, "-") for one in found)] for key in keys]
-    ends = ["Outcome", *(str(run.trajectory.meta.get("outcome") or "-") for run in runs)]
     same = [row[:2] for row in rows if len(set(row[1:])) == 1]
-    return same, [ends, *(row for row in rows if len(set(row[1:])) > 1)]
+    return same, [row for row in rows if len(set(row[1:])) > 1]
 
 
 def _metrics(runs: Sequence[Run]) -> Iterator[list[str]]:

@@ -11,8 +11,8 @@ import numpy as np
 from ship_gym.conventions import wrap_angle
 from ship_gym.physics._kernel import in_python
 from ship_gym.physics.propeller import shaft_power
-from ship_gym.recording.surroundings import speed_through_water
-from ship_gym.recording.task_error import DEGREE, section, steps, task_error, worst_row
+from ship_gym.recording.surroundings import section, speed_through_water
+from ship_gym.recording.task_error import DEGREE, steps, task_error, worst_row
 from ship_gym.recording.turns import is_manoeuvre, turn_marks
 
 if TYPE_CHECKING:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ship_gym.conventions import FORCE_AXES, FORCES, UNITS, wrap_angle
+from ship_gym.recording.surroundings import speed_through_water
 
 Columns = Mapping[str, np.ndarray]
 
@@ -225,9 +226,7 @@ def _through_water(columns: Columns) -> np.ndarray | None:
     names = {"psi", "current_speed", "current_direction_to"}
     if not names <= columns.keys() or not np.any(columns["current_speed"]):
         return None
-    angle = columns["current_direction_to"] - columns["psi"]
-    flow = columns["current_speed"]
-    return np.hypot(columns["u"] - flow * np.cos(angle), columns["v"] - flow * np.sin(angle))
+    return speed_through_water(columns)
 
 
 def _reward_panel(columns: Columns) -> Panel:

@@ -8,10 +8,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ship_gym.recording.task_error import section
-
 if TYPE_CHECKING:
     from ship_gym.recording.trajectory import Trajectory
+
+
+def section(meta: Mapping, *names: str) -> Mapping[str, Any]:
+    """A mapping inside a meta, empty where there is none."""
+    for name in names:
+        found = meta.get(name)
+        meta = found if isinstance(found, Mapping) else {}
+    return meta
 
 
 class Surroundings(NamedTuple):

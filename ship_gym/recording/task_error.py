@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ship_gym.recording.panels import heading_error
+from ship_gym.recording.surroundings import section
 
 if TYPE_CHECKING:
     from ship_gym.recording.trajectory import Trajectory
@@ -94,11 +94,3 @@ def steps(trajectory: Trajectory, name: str) -> list[int]:
         return []
     rows = (np.flatnonzero(np.diff(trajectory[name])) + 1).tolist()
     return rows if len(rows) <= _MOST_STEPS else []
-
-
-def section(meta: Mapping, *names: str) -> Mapping[str, Any]:
-    """A mapping inside a meta, empty where there is none."""
-    for name in names:
-        found = meta.get(name)
-        meta = found if isinstance(found, Mapping) else {}
-    return meta

@@ -9,8 +9,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.conventions import COMMAND_NAMES, STATE_NAMES
-from ship_gym.recording.surroundings import surroundings
-from ship_gym.recording.task_error import section
+from ship_gym.recording.surroundings import section, surroundings
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.turns import is_manoeuvre
 from ship_gym.rendering.scene import Scene

@@ -170,13 +170,9 @@ def write_video(
     rows = video_rows(trajectory, fps, speed)
     scene_at(trajectory, 0)  # refused before anything is written
     shown = progress(rows) if progress else rows
-    try:
-        with atomic_path(path) as temporary:  # a place that cannot be written is found at once
-            pictures = frames(trajectory, shown, width, height)
-            temporary.write_bytes(_encoded(pictures, fps, (width, height)))
-    except OSError as error:
-        why = error.strerror or str(error)
-        raise OSError(f"{path}: the video could not be written: {why}") from error
+    with atomic_path(path) as temporary:  # a place that cannot be written is found at once
+        pictures = frames(trajectory, shown, width, height)
+        temporary.write_bytes(_encoded(pictures, fps, (width, height)))
 
 
 def _encoded(pictures: Iterable[np.ndarray], fps: int, size: tuple[int, int]) -> bytes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 
 import pytest
@@ -56,8 +57,11 @@ def test_it_is_sealed(tmp_path):
         read_comparison(path)
 
 
-def test_place_that_cannot_be_written_is_named(tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(OSError, match=r"both\.rrd: the comparison could not be written"):
-        write_comparison([run(), run("lqg")], tmp_path / "file" / "both.rrd")
-    assert os.listdir(tmp_path) == ["file"]
+def test_full_disk_is_one_line_that_names_the_file(tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("pathlib.Path.write_bytes", full)
+    with pytest.raises(OSError, match=r"both\.rrd: no space left"):
+        write_comparison([run(), run("lqg")], tmp_path / "both.rrd")
+    assert os.listdir(tmp_path) == []

@@ -99,6 +99,11 @@ def test_names_say_what_tells_runs_apart():
     assert labels([run(), run(seed=4)]) == ["seed 3", "seed 4"]
     assert labels([run(), run("lqg", seed=4)]) == ["pid, seed 3", "lqg, seed 4"]
     assert labels([run(), run()]) == ["pid (1)", "pid (2)"]
+    seas = [{"wave_height": 0.0}, {"wave_height": 4.0, "wave_period": 9.0}]
+    assert labels([run(sea=sea) for sea in seas]) == [
+        "pid, waves none",
+        "pid, waves H 4 m, T 9 s, from 180\N{DEGREE SIGN}",
+    ]
     assert [one.name for one in runs_of([run(), run()], ["old", "new"])] == ["old", "new"]
     with pytest.raises(ConfigError, match="1 names for 2"):
         runs_of([run(), run()], ["old"])
@@ -122,6 +127,8 @@ def test_card_has_both_columns_of_metrics_and_their_difference():
     assert "| settling_time |  | - | - | - |" in text
     assert "| Outcome | end of time | heading limit |" in text
     assert "| Seed | 3 |" in text.split("The same in all")[1]
+    alike = comparison_card(runs_of([run(), run()]))
+    assert "| Outcome | end of time |" in alike.split("The same in all")[1]
 
 
 def test_sources_have_the_hash_of_the_whole_content():

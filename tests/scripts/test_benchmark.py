@@ -170,6 +170,7 @@ def test_an_interruption_says_what_is_kept_and_how_to_go_on(small, monkeypatch):
         (["--controllers", "pit"], "did you mean 'pid'"),
         (["--ships", "kcz"], "did you mean 'kcs'"),
         (["--address", "auto"], "only the engine 'ray' has one"),
+        (["--suite", "manoeuvres", "--record"], "--record: of episodes"),
     ],
 )
 def test_errors_are_one_line_and_leave_nothing(cli, tmp_path, arguments, words):

@@ -246,11 +246,20 @@ def test_evaluate_records_what_it_sailed(cli, tmp_path):
         (["--which", "all"], ["--which: needs --record"]),
         (["--record", "r", "--which", "wrst"], ["did you mean 'worst'"]),
         (["--record", "file"], ["file is a file"]),
+        (["--record", "r", "--controller", "own.py:A", "own.py:B"], ["one file"]),
     ],
 )
 def test_evaluate_refuses_before_any_work(cli, tmp_path, arguments, words):
     (tmp_path / "file").write_text("")
+    (tmp_path / "own.py").write_text(_OWN)
     code, out, err = cli("evaluate", *arguments)
     assert (code, out, err.count("\n")) == (2, "", 1), err
     assert all(word in err for word in words)
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+    assert {path.name for path in tmp_path.iterdir()} <= {"file", "own.py", "__pycache__"}
+
+
+def test_no_episode_failed(cli, tmp_path):
+    pytest.importorskip("rerun")
+    given = ("--controllers", "pid", "--episodes", 1, *SHORT, "--record", "r", "--which", "failed")
+    code, out, _ = cli("evaluate", *given)
+    assert code == 0 and "0 recordings in r\nnext: ship-gym record --controller pid" in out

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -16,10 +18,11 @@ from ship_gym.evaluation import metrics, rollout
 from ship_gym.provenance import sha256
 from ship_gym.recording import Trajectory
 from ship_gym.recording.recorder import Recorder
+from ship_gym.recording.sealed import verify
 
 pytest.importorskip("rerun")
 
-from ship_gym.recording.rerun_export import viewer
+from ship_gym.recording.rerun_export import program, viewer
 
 
 def with_meta(run, **more):
@@ -250,12 +253,15 @@ def test_without_a_screen_show_says_what_else_there_is(cli, folder, monkeypatch)
     assert "ship-gym review picture runs/pid_1000001.rrd" in err
 
 
-def test_show_opens_at_the_worst_moment_and_draws_journals(cli, folder, sailed, monkeypatch):
+def test_show_opens_at_the_worst_moment_and_draws_what_has_no_picture(
+    cli, folder, sailed, monkeypatch
+):
     from ship_gym.recording.marks import worst_moment
 
     seen = []
 
     def opened(*paths, moment=None):
+        assert all(verify(path).has_picture for path in paths)
         seen.append((moment, [Trajectory.from_rrd(path).meta["seed"] for path in paths]))
 
     monkeypatch.setattr(viewer, "has_screen", lambda: True)
@@ -286,6 +292,22 @@ def test_show_web_prints_an_address_of_this_machine(cli, folder, monkeypatch):
     code, out, err = cli("review", "show", "--web", "runs/pid_1000001.rrd", "--json")
     assert (code, err) == (0, "") and Served.ended
     assert json.loads(out)["address"] == Served.address
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_server_ends_with_the_verb(folder, number):
+    words = ["review", "show", "--web", "runs/pid_1000001.rrd", "--json"]
+    code = f"from ship_gym_agents.cli import main; main({words})"
+    verb = subprocess.Popen(
+        [sys.executable, "-c", code], cwd=folder.parent, stdout=subprocess.PIPE, text=True
+    )
+    text = "".join(iter(verb.stdout.readline, "}\n")) + "}"
+    port = int(re.search(r":(\d+)/", json.loads(text)["address"])[1])
+    assert program.listens(port)
+    verb.send_signal(number)
+    assert verb.wait(30) == 0 and not program.listens(port)
+    verb.stdout.close()
 
 
 def test_export_writes_tables_and_plots(cli, folder, sailed, tmp_path):
@@ -370,7 +392,11 @@ def test_compare_puts_runs_side_by_side(cli, folder, sailed, monkeypatch):
     assert (first["name"], second["name"]) == ("pid", "constant")
     assert second["metrics"] == constant
     assert second["differences"]["J_1"] == constant["J_1"] - pid["J_1"]
+    assert first["content"] != second["content"]
     assert "less pid" in cli("review", "compare", *names, "--out", "runs/both.rrd")[1]
+    same = cli("review", "compare", names[0], names[0], "--out", "runs/both.rrd")[1]
+    assert same.startswith("the content of all is the same, bit for bit\n")
+    assert cli("review", "compare", *names, "--out", "runs/both.rrd")[0] == 0
     rows = json.loads(cli("review", "list", "runs", "--where", "kind==comparison", "--json")[1])
     assert [row["file"] for row in rows["runs"]] == ["runs/both.rrd"]
     seen = []

@@ -59,7 +59,8 @@ def command(
     shown.check_which(which, record)
     out = place(out, _folder(policies) / "evaluation.json")
     seeds = evaluation_seeds(episodes)
-    named, rollouts = _sail([*policies], [*controllers], seeds, task, options)
+    files_of_each = record is not None
+    named, rollouts = _sail([*policies], [*controllers], seeds, task, options, files_of_each)
     sailed = [r.controller for r in rollouts]
     usual = rollouts[0].task.controllers[0]
     found = compare(rollouts, usual if usual in sailed else None)
@@ -71,7 +72,8 @@ def command(
         files = shown.recorded(rollouts, found["episodes"], which or ("worst",), record)
         wrote.append(f"{len(files)} recordings in {record}")
         data["recordings"] = [str(file) for file in files]
-        following = next_review("list", record, *(["--task", task] if task else []))
+        if files:
+            following = next_review("list", record, *(["--task", task] if task else []))
     text = f"{_tables(found, markdown)}\n\nwrote {', '.join(wrote)}\nnext: {following}"
     show(as_json, {**found, **data, "next": following}, text)
 
@@ -105,9 +107,15 @@ def _again(
 
 
 def _sail(
-    policies: list[str], others: list[str], seeds: list[int], task: str | None, options: dict
+    policies: list[str],
+    others: list[str],
+    seeds: list[int],
+    task: str | None,
+    options: dict,
+    files_of_each: bool,
 ) -> tuple[list[str], list]:
     """The controllers as named and a rollout of each, all refused before the first one sails."""
+    from ship_gym.evaluation.recordings import check_told_apart
     from ship_gym.evaluation.rollout import begin
     from ship_gym_agents.cli.sailing import check_task, known_to, own_task, ready, wanted
     from ship_gym_agents.entrants import controllers_of
@@ -118,6 +126,8 @@ def _sail(
     check_task(start.scenario.task, name, options["scenario"])
     named = [*policies, *(one for one in others or start.task.controllers if one)]
     controllers = controllers_of(named)
+    if files_of_each:
+        check_told_apart([controller.name for controller in controllers])
     ready(controllers, start, seeds)
     return named, [_sailed(controller, seeds, env) for controller in controllers]
 

@@ -20,13 +20,13 @@ from ship_gym.recording.marks import marks
 from ship_gym.recording.panels import Panel
 from ship_gym.recording.rerun_export.annotations import CARD, MARKS
 from ship_gym.recording.rerun_export.blueprint import (
-    FOLLOWED,
     plan_view,
     scene_view,
     text_views,
     whole,
 )
 from ship_gym.recording.rerun_export.log import TIMELINE, Output, log, log_style
+from ship_gym.recording.rerun_export.picture import log_compass
 from ship_gym.recording.rerun_export.rows import changes, send_chosen, shown_rows, slow_rows
 from ship_gym.recording.rerun_export.rrd_file import COMPARISON, read_chunks
 from ship_gym.recording.rerun_export.water import send_water
@@ -36,6 +36,7 @@ from ship_gym.recording.wave_grid import wave_grid
 
 _FORMAT, _HEAD = 1, "ShipGymComparison"
 _GRID, _TICK, _ROUTE = (62, 78, 96), (12, 88, 190), (206, 160, 80)
+_WHITE = (240, 240, 235)
 _GHOST = 120  # opacity of the other ships, of 255
 _MOST_POINTS = 1000  # of a track
 _EDGE = 25.0  # of the sea beyond the tracks [L]
@@ -69,12 +70,8 @@ def write_comparison(
         The file cannot be written; names it.
     """
     data = _encoded(runs_of(trajectories, names))
-    try:
-        with atomic_path(path) as temporary:
-            temporary.write_bytes(data)
-    except OSError as error:
-        why = error.strerror or str(error)
-        raise OSError(f"{path}: the comparison could not be written: {why}") from error
+    with atomic_path(path) as temporary:
+        temporary.write_bytes(data)
 
 
 def read_comparison(path: str | os.PathLike) -> dict[str, Any]:
@@ -93,13 +90,15 @@ def read_comparison(path: str | os.PathLike) -> dict[str, Any]:
 
 def _encoded(runs: Sequence[Run]) -> bytes:
     """The file: the head as rerun encodes it, then the picture, sealed."""
-    stream = rr.RecordingStream("ship_gym_comparison")
+    listed = sources(runs)
+    # A viewer shares layout and axes between recordings of one id, so these runs have their own.
+    stream = rr.RecordingStream("_".join(["ship_gym", *(one["content"][:8] for one in listed)]))
     if not rr.is_enabled(stream):
         raise OSError("rerun records nothing: the environment has RERUN=off")
     try:
         source = stream.binary_stream()
         out = Output(stream)
-        head = json.dumps({"format": _FORMAT, "kind": "comparison", "sources": sources(runs)})
+        head = json.dumps({"format": _FORMAT, "kind": "comparison", "sources": listed})
         column = rr.DynamicArchetype.columns(archetype=_HEAD, components={"json": [head]})
         rr.send_columns(COMPARISON[1:], [], column, recording=stream, strict=True)
         record = source.read() or b""
@@ -160,12 +159,7 @@ def _log_sea(out: Output, first: Run, tracks: np.ndarray, length: float) -> np.n
     log(out, "world", rr.ViewCoordinates.FRD)  # x north, y east, z down: right-handed
     points, shown = scene.positions(first.trajectory.columns), shown_rows(len(first.t), False)
     send_water(out, grid, first.t, points, shown)
-    ring, names = scene.compass_ring(length)
-    white = (240, 240, 235)
-    ring = [line + above for line in ring]
-    log(out, FOLLOWED, rr.LineStrips3D(ring, colors=white, radii=-0.6))
-    letters = rr.Points3D(names + above, labels=["N", "E", "S", "W"], colors=white, radii=-1.0)
-    log(out, f"{FOLLOWED}/names", letters)
+    log_compass(out, length, above)
 
     def rows(new):
         return rr.Transform3D.columns(translation=points[new])
@@ -203,8 +197,7 @@ def _log_run(out: Output, run: Run, number: int, length: float, above: np.ndarra
     path = f"world/runs/{number}"
     _log_ship(out, path, sizes, (*run.color, 255 if number == 0 else _GHOST))
     high = (0.25 + 0.1 * number) * length  # names of ships in one place do not hide each other
-    pale = [(9 * part + 7 * 255) // 16 for part in run.color]  # is written on a dark ground
-    label = rr.Points3D([[0.0, 0.0, -high]], labels=[run.name], colors=[pale], radii=0.0)
+    label = rr.Points3D([[0.0, 0.0, -high]], labels=[run.name], colors=[_WHITE], radii=0.0)
     log(out, f"{path}/name", label)
     chosen = shown_rows(len(run.t), False)
     _send_pose(out, path, run.t, chosen, *scene.pose(columns))

@@ -89,7 +89,7 @@ def _log_scene(out, trajectory: Trajectory, points, ship, length, often, seldom)
     above = np.array([0.0, 0.0, -0.5 * grid.height - 0.004 * length])
     if out.fixed:
         log(out, "world", rr.ViewCoordinates.FRD)  # x north, y east, z down: right-handed
-        _log_compass(out, length, above)
+        log_compass(out, length, above)
     send_water(out, grid, t, points, often)
     places, turns = scene.pose(columns)
     _send_pose(out, "world/ship", t, often, places, turns)
@@ -150,7 +150,7 @@ def _send_pieces(out: Output, path: str, t, rows, pieces, archetype) -> None:
     send_chosen(out, path, t, chosen, lambda new: archetype.columns(strips=pieces[order[new]]))
 
 
-def _log_compass(out, length: float, above: np.ndarray) -> None:
+def log_compass(out, length: float, above: np.ndarray) -> None:
     """Log the compass ring, which moves with the ship but does not turn with it."""
     ring, names = scene.compass_ring(length)
     ring = rr.LineStrips3D([line + above for line in ring], colors=_TRACK, radii=-0.6)

@@ -35,6 +35,7 @@ def command(as_json, files, out, task, picture, shown) -> None:
     """
     from ship_gym.config import ConfigError
     from ship_gym.recording.comparison import labels
+    from ship_gym.recording.comparison_card import content_hash
     from ship_gym.recording.trajectory import import_rerun_export
     from ship_gym_agents.cli.output import need, place, progress, show
     from ship_gym_agents.cli.review.files import recorded
@@ -55,9 +56,12 @@ def command(as_json, files, out, task, picture, shown) -> None:
     names = labels(runs)
     _write(runs, names, out, picture)
     written = [str(path) for path in (out, picture) if path]
-    rows = zip(files, names, values, strict=True)
+    rows = zip(files, names, values, map(content_hash, runs), strict=True)
     data = {"recordings": [_row(*row, values[0]) for row in rows], "files": written}
-    show(as_json, data, _text(runs, names, values, written, out))
+    text = _text(runs, names, values, written, out)
+    if len({row["content"] for row in data["recordings"]}) == 1:
+        text = f"the content of all is the same, bit for bit\n\n{text}"
+    show(as_json, data, text)
     if shown:
         _open(out)
 
@@ -79,9 +83,9 @@ def _open(out: Path) -> None:
     show(out)
 
 
-def _row(path: Path, name: str, found: dict[str, Any], first: dict[str, Any]) -> dict[str, Any]:
-    differences = _less(found, first)
-    return {"file": str(path), "name": name, "metrics": found, "differences": differences}
+def _row(path: Path, name: str, found: dict, content: str, first: dict) -> dict[str, Any]:
+    kept = {"file": str(path), "name": name, "content": content, "metrics": found}
+    return kept | {"differences": _less(found, first)}
 
 
 def _less(found: dict[str, Any], first: dict[str, Any]) -> dict[str, float]:

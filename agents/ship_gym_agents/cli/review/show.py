@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import click
@@ -35,11 +36,23 @@ def command(as_json, files, web, at) -> None:
         check_screen(files)
     runs = [viewable(path) for path in progress(files, "reading")]
     moment = time_of(runs[0], at) if len(runs) == 1 and runs[0] is not None else None
-    with drawn(files, runs) as paths, contextlib.suppress(KeyboardInterrupt):
+    with drawn(files, runs) as paths, contextlib.suppress(KeyboardInterrupt), _ended_by_signals():
         if web:
             _serve(as_json, files, paths)
         else:
             _open(as_json, files, paths, runs, moment)
+
+
+@contextlib.contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Take a signal that ends this process for Ctrl+C, so that no viewer is left behind."""
+    signals = [getattr(signal, name, None) for name in ("SIGTERM", "SIGHUP")]
+    before = {one: signal.signal(one, signal.default_int_handler) for one in signals if one}
+    try:
+        yield
+    finally:
+        for one, handler in before.items():
+            signal.signal(one, handler)
 
 
 def check_screen(files: Sequence[Path]) -> None:
