@@ -51,6 +51,11 @@ class Verified(NamedTuple):
     record: int
     complete: bool
 
+    @property
+    def has_picture(self) -> bool:
+        """Whether there is more than the record: without a picture a viewer shows nothing."""
+        return len(self.data) > self.record
+
 
 def seal(record: bytes, picture: bytes = b"") -> bytes:
     """Make one sealed file of streams as ``rr.BinaryStream.read`` gives them.

@@ -18,6 +18,7 @@ from ship_gym.evaluation import metrics, rollout
 from ship_gym.provenance import sha256
 from ship_gym.recording import Trajectory
 from ship_gym.recording.recorder import Recorder
+from ship_gym.recording.sealed import verify
 
 pytest.importorskip("rerun")
 
@@ -252,12 +253,15 @@ def test_without_a_screen_show_says_what_else_there_is(cli, folder, monkeypatch)
     assert "ship-gym review picture runs/pid_1000001.rrd" in err
 
 
-def test_show_opens_at_the_worst_moment_and_draws_journals(cli, folder, sailed, monkeypatch):
+def test_show_opens_at_the_worst_moment_and_draws_what_has_no_picture(
+    cli, folder, sailed, monkeypatch
+):
     from ship_gym.recording.marks import worst_moment
 
     seen = []
 
     def opened(*paths, moment=None):
+        assert all(verify(path).has_picture for path in paths)
         seen.append((moment, [Trajectory.from_rrd(path).meta["seed"] for path in paths]))
 
     monkeypatch.setattr(viewer, "has_screen", lambda: True)

@@ -48,11 +48,16 @@ def viewable(path: Path) -> Trajectory | None:
 
 @contextlib.contextmanager
 def drawn(paths: Sequence[Path], runs: Sequence[Trajectory | None]) -> Iterator[list[Path]]:
-    """Files that a viewer opens; a journal or a file that was cut is drawn into a temporary one."""
+    """Files that a viewer opens.
+
+    A journal, a file that was cut and a record without a picture are drawn into a temporary one.
+    """
+    from ship_gym.recording.sealed import verify
+
     with tempfile.TemporaryDirectory(prefix="ship-gym-") as folder:
         found = []
         for number, (path, run) in enumerate(zip(paths, runs, strict=True)):
-            if run is not None and not run.complete:
+            if run is not None and not (run.complete and verify(path).has_picture):
                 path = Path(folder) / f"{number}-{path.name.removesuffix('.partial')}"
                 run.to_rrd(path)
             found.append(path)
