@@ -229,18 +229,11 @@ def _log_chart(out, trajectory: Trajectory, ship, length: float, low, high) -> N
 def _log_solid(out, path: str, mesh, color=None) -> None:
     """Log a closed mesh, sharp-edged in one colour, or round in a hull's paint."""
     vertices, triangles, normals = hull_shape.flat_shaded(*mesh)
-    if color:
-        paint = np.broadcast_to(np.array(color, dtype=np.uint8), vertices.shape)
+    if color is not None:
+        look = {"albedo_factor": color}
     else:
         paint = scene.hull_colors(vertices, normals)
-    shaded = hull_shape.smooth_shaded(vertices, normals, paint) if not color else None
-    if shaded is not None:
-        vertices, triangles, normals, paint = shaded
-    look = {"albedo_factor": color} if color else {"vertex_colors": paint}
-    log(
-        out,
-        path,
-        rr.Mesh3D(
-            vertex_positions=vertices, triangle_indices=triangles, vertex_normals=normals, **look
-        ),
-    )
+        shaded = hull_shape.smooth_shaded(vertices, normals, paint)
+        vertices, triangles, normals, look = *shaded[:3], {"vertex_colors": shaded[3]}
+    points = {"vertex_positions": vertices, "triangle_indices": triangles}
+    log(out, path, rr.Mesh3D(**points, vertex_normals=normals, **look))
