@@ -27,7 +27,7 @@ from ship_gym.recording.rerun_export.water import send_water
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.wave_grid import wave_grid
 
-_TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (12, 88, 190)
+_TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (255, 255, 255)
 _WHITE, _BRONZE, _STEEL = (226, 226, 220), (206, 160, 80), (120, 128, 138)
 _FINE = 256.0  # turns of the hull, the rudder and the propeller are in parts of this
 
