@@ -11,7 +11,7 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.recording.card import facts, scenario_name
 from ship_gym.recording.marks import time_unit
-from ship_gym.recording.panels import Panel, Series
+from ship_gym.recording.panel import Panel, Series
 from ship_gym.recording.surroundings import section, speed_through_water
 from ship_gym.recording.task_error import task_error
 

@@ -6,7 +6,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ship_gym.recording.panels import STEERING, Panel
+from ship_gym.recording.panel import STEERING, Panel
 from ship_gym.recording.rerun_export.annotations import CARD, marks_view
 from ship_gym.recording.rerun_export.log import TIMELINE
 from ship_gym.recording.rerun_export.plots import plot_view

@@ -17,7 +17,7 @@ from ship_gym.recording.axes import free_corner, y_range
 from ship_gym.recording.comparison import Run, common_times, panels, runs_of
 from ship_gym.recording.comparison_card import comparison_card, sources
 from ship_gym.recording.marks import marks
-from ship_gym.recording.panels import Panel
+from ship_gym.recording.panel import Panel
 from ship_gym.recording.rerun_export.annotations import CARD, MARKS
 from ship_gym.recording.rerun_export.blueprint import (
     plan_view,

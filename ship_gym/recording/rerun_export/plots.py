@@ -12,7 +12,7 @@ import rerun.blueprint as rrb
 from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
 
 from ship_gym.recording.axes import USUAL, free_corner, y_range
-from ship_gym.recording.panels import COURSE, STEERING, Panel
+from ship_gym.recording.panel import COURSE, STEERING, Panel
 from ship_gym.recording.rerun_export.log import Output
 from ship_gym.recording.rerun_export.rows import send_chosen
 
