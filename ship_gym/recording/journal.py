@@ -36,6 +36,10 @@ def journal_path(path: str | os.PathLike) -> Path:
     return path.with_name(path.name + SUFFIX)
 
 
+class BeingWritten(ConfigError):
+    """A journal that another process, or another run of this one, writes."""
+
+
 class Journal:
     """A journal that is being written, held by a lock; one that a dead run left is overwritten.
 
@@ -50,8 +54,8 @@ class Journal:
 
     Raises
     ------
-    ConfigError
-        Another process, or another run of this one, writes it.
+    BeingWritten
+        A ConfigError: another process, or another run of this one, writes it.
     OSError
         It cannot be written there.
     """
@@ -179,7 +183,7 @@ def _opened(path: Path) -> IO[bytes]:
         file = path.open("a+b", buffering=0)
         if not take_lock(file):
             file.close()
-            raise ConfigError(f"{path}: another run is recorded into this file; give another name")
+            raise BeingWritten(f"{path}: another run is recorded into this file; give another name")
         if path.exists() and os.path.samestat(path.stat(), os.fstat(file.fileno())):
             file.truncate(0)
             return file

@@ -160,9 +160,11 @@ def _in_waves(columns: Columns, name: str) -> bool:
 
 def _own_panels(columns: Columns, meta: Mapping[str, Any]) -> list[Panel]:
     """Plots of the task's own, the error with its limits."""
+    error = meta.get("error")
+    labels = {error.get("column"): error.get("label")} if isinstance(error, Mapping) else {}
     found = _filled(
         *(
-            Panel(f"plots/{name}", title, _plain(columns, *names))
+            Panel(f"plots/{name}", title, _plain(columns, *names, labels=labels))
             for name, title, names in meta.get("plots", ())
         )
     )
@@ -281,11 +283,13 @@ def _pair(columns: Columns, name: str, scale: float) -> list[Series]:
     return [Series(label, scale * columns[c], color) for c, label, color in pair if c in columns]
 
 
-def _plain(columns: Columns, *names: str, scale: float = 1.0) -> list[Series]:
-    """Draw the columns `names` under their own names."""
+def _plain(
+    columns: Columns, *names: str, labels: Mapping[str, str | None] | None = None
+) -> list[Series]:
+    """Draw the columns `names` under their own names, or their labels."""
     names = [name for name in names if name in columns]
     return [
-        Series(name, scale * columns[name], color)
+        Series((labels or {}).get(name) or name, columns[name], color)
         for name, color in zip(names, _PALETTE * 9, strict=False)
     ]
 

@@ -90,7 +90,9 @@ def blueprint(
     columns = [pictures]
     if panels:
         tabs = [
-            rrb.Vertical(*(plot_view(panel, t, axis, live) for panel in chosen), name=topic)
+            rrb.Vertical(
+                *(plot_view(panel, t, axis, live, len(chosen)) for panel in chosen), name=topic
+            )
             for topic, chosen in _tabs(panels)
         ]
         columns.append(rrb.Tabs(*tabs, active_tab=0) if len(tabs) > 1 else tabs[0])

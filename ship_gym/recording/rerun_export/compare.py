@@ -35,7 +35,7 @@ from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.wave_grid import wave_grid
 
 _FORMAT, _HEAD = 1, "ShipGymComparison"
-_GRID, _TICK, _ROUTE = (62, 78, 96), (12, 88, 190), (206, 160, 80)
+_GRID, _TICK, _ROUTE = (62, 78, 96), (255, 255, 255), (206, 160, 80)
 _WHITE = (240, 240, 235)
 _GHOST = 120  # opacity of the other ships, of 255
 _MOST_POINTS = 1000  # of a track
