@@ -79,11 +79,15 @@ def _write(runs: Sequence[Trajectory], names: Sequence[str], out: Path, picture:
     """The recording of all, and its picture at the worst moment of the first."""
     from ship_gym.recording.marks import worst_moment
     from ship_gym.recording.rerun_export.compare import write_comparison
-    from ship_gym.recording.rerun_export.viewer import screenshot
+    from ship_gym.recording.rerun_export.viewer import NoViewer, screenshot
 
     write_comparison(runs, out, names)
     if picture:
-        screenshot(out, picture, worst_moment(runs[0]) - float(runs[0]["t"][0]))
+        moment = worst_moment(runs[0]) - float(runs[0]["t"][0])
+        try:
+            screenshot(out, picture, moment)
+        except NoViewer as error:
+            raise NoViewer(f"--picture {picture}: {error}; {out} is written") from None
 
 
 def _open(out: Path) -> None:
@@ -116,7 +120,7 @@ def _text(runs, names: Sequence[str], values: list[dict], written: list[str], ou
     for name in names[1:]:
         header += [name, f"less {names[0]}"]
     rows = []
-    for key, unit in units_of(values).items():
+    for key, unit in units_of(values, [run.meta for run in runs]).items():
         cells = [_cell(values[0].get(key), "{:.5g}")]
         for found in values[1:]:
             difference = _less(found, values[0]).get(key)
