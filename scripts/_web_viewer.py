@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ship_gym.recording.rerun_export.log import TIMELINE
-
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 # SwiftShader, Chromium's own software OpenGL, takes a minute for a frame; the rest: no window, and
 # no connections but the one to this machine
 _FLAGS = (
-    *("--headless=new", "--no-sandbox", "--hide-scrollbars", "--ignore-gpu-blocklist"),
+    *("--headless=new", "--hide-scrollbars", "--ignore-gpu-blocklist"),
     *("--use-gl=angle", "--use-angle=gl-egl", "--disable-quic", "--no-first-run"),
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
 )
@@ -83,6 +82,8 @@ def photograph(address: str, seconds: float, size: tuple[int, int], light: bool)
 
 def time_request(seconds: float) -> bytes:
     """The request, in rerun's ``viewer_control.proto``, to stop at a time."""
+    from ship_gym.recording.rerun_export.log import TIMELINE
+
     nanoseconds = round(seconds * 1e9)
     timeline = _bytes(2, _bytes(1, TIMELINE.encode()))
     return _bytes(6, timeline + _bytes(3, b"\x08" + _varint(nanoseconds)) + b"\x28\x01")
@@ -110,7 +111,8 @@ def _browser(size: tuple[int, int]) -> Iterator[Any]:
     width, height = size
     options = webdriver.ChromeOptions()
     options.binary_location = _program(*_BROWSERS)
-    for flag in (*_FLAGS, f"--window-size={width},{height}"):
+    as_root = ["--no-sandbox"] if os.name == "posix" and os.geteuid() == 0 else []  # must be
+    for flag in (*_FLAGS, *as_root, f"--window-size={width},{height}"):
         options.add_argument(flag)
     browser = webdriver.Chrome(options=options, service=Service(_program("chromedriver")))
     try:
@@ -147,11 +149,14 @@ def _at_rest(browser: Any) -> bytes:
     """The picture once it is the same twice: parts of the data and of the views come later."""
     from selenium.common.exceptions import WebDriverException
 
-    end, last, image = time.monotonic() + _PATIENCE, b"", b"?"
-    while image != last and time.monotonic() < end:
+    end, last = time.monotonic() + _PATIENCE, b""
+    while time.monotonic() < end:
         time.sleep(4.0)
         try:
-            last, image = image, browser.get_screenshot_as_png()
+            image = browser.get_screenshot_as_png()
         except WebDriverException:  # busy
             continue
-    return image
+        if image == last:
+            return image
+        last = image
+    raise TimeoutError(f"the web viewer did not come to rest within {_PATIENCE:.0f} s")

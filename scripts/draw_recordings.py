@@ -20,6 +20,7 @@ from pathlib import Path
 from _cli import parser, progress, run, show
 from _few_colours import write_small
 from _web_viewer import check_browser, photograph
+from ship_gym_agents.cli.output import need
 
 from ship_gym.config import check_known
 from ship_gym.provenance import check_place
@@ -88,6 +89,7 @@ def main() -> None:
     for name in args.only:
         check_known("subject", name, SUBJECTS)
     check_place(args.out, "--out", folder=True)
+    need("rerun", "matplotlib")  # which brings what writes pictures
     if "web" in args.viewers:
         check_browser()
     pictures = list(itertools.product(args.only, args.viewers, args.themes))

@@ -19,6 +19,7 @@ _MESH_STATIONS = 18  # of the solid, which every recording holds
 _BILGE_POINTS = 6  # from the keel to the waterline
 _SIDE_POINTS = 2  # from the waterline to the deck edge
 _SHARP = -0.7  # part of a normal that faces aft on a transom, up on a deck
+_ASIDE = 0.3  # part of a normal to the side: both sides meet at the stem in an edge
 
 
 def hull_mesh(L: float, B: float, d: float) -> tuple[np.ndarray, np.ndarray]:
@@ -138,6 +139,7 @@ def smooth_shaded(
         Unit normals, means of the triangles that meet, and colours.
     """
     surface = 2.0 * (normals[:, :1] < _SHARP) + (normals[:, 2:] < _SHARP)
+    surface += np.sign(normals[:, 1:2]) * (np.abs(normals[:, 1:2]) > _ASIDE) * 4.0
     key = np.round(np.concatenate([corners, paint, surface], axis=1), 9)
     _, first, index = np.unique(key, axis=0, return_index=True, return_inverse=True)
     index = index.reshape(-1)

@@ -23,8 +23,9 @@ _WIND, _WAVES, _CURRENT = (0.0, 0.3), (0.12, 0.1), (0.0, 0.0)  # see _incoming
 _STRONG_WIND, _STRONG_CURRENT = 0.42, 0.032  # [sqrt(g L)], of a ship of 230 m 20 and 1.5 m/s
 _LOWEST, _APART = 0.12, 0.08  # height of their arrows above the water, and between them [L]
 # Of what has a label: its text has that colour, on a ground that the viewer makes dark or light.
-ORDERED, COMPASS = (222, 104, 0), (230, 84, 64)
-_VIOLET, _PINK, _GREEN = (144, 96, 250), (228, 48, 138), (0, 146, 64)
+# White stands out best on the worse of both, so these are white or nearly so.
+ORDERED, COMPASS = (222, 104, 0), (255, 255, 255)
+_VIOLET, _PINK, _GREEN = (224, 218, 255), (255, 224, 240), (196, 255, 214)
 _HULL_RED, _HULL_BLUE, _DECK = (165, 62, 52), (70, 98, 145), (165, 135, 105)
 
 

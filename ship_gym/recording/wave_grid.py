@@ -17,11 +17,11 @@ from ship_gym.conventions import G
 from ship_gym.sea.surface import WAVE_ENTRIES, elevation
 
 SHADES = 12  # of the water, from trough to crest
-_ALONG, _ACROSS = 30, 8  # points along the main direction and across; long-crested: two across
-_MOST_POINTS = 96  # of a short-crested sea
+_ALONG, _ACROSS = 30, 7  # points along the main direction and across; long-crested: two across
+_MOST_POINTS = 91  # of a short-crested sea
 _REACH = 1.5  # half the length of the grid [L], less where the waves are short
 _WAVES_SEEN = 2.5  # half the length of the grid at least, in waves
-_LEAST_REACH = 0.75  # [L]
+_LEAST_REACH, _NARROW = 0.75, 0.85  # [L]; the latter of a short-crested sea, at most
 _SHORTEST = 3.0  # waves shorter than this many points are left out
 _PER_PERIOD = 3.3  # pictures in a mean period, but not more than one in _LEAST_STEP sqrt(L/g)
 _LEAST_STEP = 0.6
@@ -118,10 +118,9 @@ def wave_grid(meta: Mapping[str, Any], length: float, far: float) -> Grid:
     aside = energy @ np.sin(waves["direction_to"] - main) ** 2 / energy.sum()
     wave = 2.0 * math.pi * energy.sum() / (energy @ waves["k"])
     half = float(np.clip(_WAVES_SEEN * wave, _LEAST_REACH * length, _REACH * length))
-    if aside < _SPREAD:
-        along, across = _ALONG, 2
-    else:
-        along, across = _MOST_POINTS // _ACROSS, _ACROSS
+    along, across = _ALONG, 2
+    if aside >= _SPREAD:
+        along, across, half = _MOST_POINTS // _ACROSS, _ACROSS, min(half, _NARROW * length)
     period = 2.0 * math.pi * energy.sum() / (energy @ waves["omega"])
     kept = 2.0 * math.pi / waves["k"] >= _SHORTEST * 2.0 * half / (along - 1)
     waves = {name: values[kept] for name, values in waves.items()}

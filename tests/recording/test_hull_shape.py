@@ -13,6 +13,7 @@ from ship_gym.recording.hull_shape import (
     deck_outline,
     flat_shaded,
     hull_mesh,
+    smooth_shaded,
     superstructure_mesh,
 )
 
@@ -89,3 +90,15 @@ def test_deck_outline_is_closed_with_the_bow_ahead():
     outline = deck_outline(*SIZES[0])
     assert np.array_equal(outline[0], outline[-1])
     assert outline[np.argmax(outline[:, 0])] == pytest.approx([115.0, 0.0])
+
+
+def test_smooth_shading_keeps_the_surface_and_its_paint():
+    vertices, _, normals = flat_shaded(*hull_mesh(*SIZES[0]))
+    paint = scene.hull_colors(vertices, normals)
+    shared, triangles, means, colors = smooth_shaded(vertices, normals, paint)
+    corners = triangles.ravel()
+    assert len(shared) < 0.4 * len(vertices)
+    assert shared[corners] == pytest.approx(vertices)
+    assert (colors[corners] == paint).all()
+    assert np.linalg.norm(means, axis=1) == pytest.approx(1.0)
+    assert np.einsum("ij,ij->i", means[corners], normals).min() > 0.5  # of one side

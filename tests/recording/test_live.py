@@ -14,7 +14,7 @@ from ship_gym.ships.loader import load_ship
 rr = pytest.importorskip("rerun")
 chunk = pytest.importorskip("rerun.chunk")
 
-from ship_gym.recording.rerun_export import read_chunks  # noqa: E402 (needs rerun)
+from ship_gym.recording.rerun_export import log, program, read_chunks  # noqa: E402 (needs rerun)
 
 pytestmark = pytest.mark.filterwarnings("error::rerun.error_utils.RerunWarning")
 
@@ -63,7 +63,7 @@ def test_streamed_rows_read_back(tmp_path, ship):
     assert run.meta["waypoints"] == [[0.0, 0.0], [9.0, 9.0]]
 
 
-def watched(ship, path, rows, monkeypatch) -> None:
+def watched(ship, path, rows, monkeypatch, sea=None) -> None:
     """Send rows as to a viewer, but into a file."""
 
     def to_file(name, sink):
@@ -75,7 +75,7 @@ def watched(ship, path, rows, monkeypatch) -> None:
     view = live.LiveView(ship, "heading_keeping", sink="rerun+http://127.0.0.1:9/proxy")
     monkeypatch.setattr(view._rerun, "open_stream", to_file)
     for row in rows:
-        view.show(row)
+        view.show(row, None, sea)
     view.close()
 
 
@@ -181,3 +181,47 @@ def test_rows_that_do_not_fit_are_refused(tmp_path, ship, change, message):
     view.show(row_at(1.0))
     view.close()
     assert len(Trajectory.from_rrd(tmp_path / "run.rrd")) == 2
+
+
+def test_a_viewer_is_opened_on_loopback_only(monkeypatch):
+    """Rerun's own spawn would listen on every address of the machine."""
+    started = []
+
+    class Program:
+        def __init__(self, arguments, port, detached):
+            assert detached  # it stays open when training is interrupted
+            started.append(port)
+
+        def until(self, ready):
+            return True
+
+    monkeypatch.setattr(log, "Program", Program)
+    monkeypatch.setattr(log, "_VIEWERS", [])
+    monkeypatch.setattr(log, "listens", lambda port: False)
+    assert log.open_viewer() == live._ADDRESS
+    assert started == [log.PORT]
+    monkeypatch.setattr(log, "listens", lambda port: True)  # one is open
+    assert log.open_viewer() == live._ADDRESS
+    assert started == [log.PORT]
+    assert program.HOST == "127.0.0.1"
+
+
+def test_a_viewer_that_does_not_come_is_a_runtime_error(monkeypatch):
+    def fail(*_, **__):
+        raise program.NoViewer("rerun's viewer: no graphics")
+
+    monkeypatch.setattr(log, "listens", lambda port: False)
+    monkeypatch.setattr(log, "Program", fail)
+    with pytest.raises(RuntimeError, match="no graphics"):
+        log.open_viewer()
+
+
+def test_a_live_view_shows_the_waves(tmp_path, ship, monkeypatch):
+    waves = {"amplitude": [2.0], "omega": [0.5], "k": [0.5**2 / 9.80665], "direction_to": [0.0]}
+    sea = {"sea": {"wave_height": 4.0, "wave_period": 12.6, "wave_direction_to": 0.0}}
+    sea["waves"] = waves | {"phase": [0.0]}
+    rows = [row_at(float(t)) for t in range(20)]
+    watched(ship, tmp_path / "live.rrd", rows, monkeypatch, sea)
+    sent = lengths(chunk.RrdReader(tmp_path / "live.rrd").stream().to_chunks())
+    assert 4 <= sent["/world/sea"] <= 7  # a picture in some seconds
+    assert sent["/world/at_ship/waves"] == 1

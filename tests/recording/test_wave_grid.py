@@ -9,6 +9,8 @@ import pytest
 
 from ship_gym.conventions import G
 from ship_gym.recording.wave_grid import SHADES, wave_grid
+from ship_gym.sea import WaveSystem
+from ship_gym.sea.components import wave_components
 
 L = 230.0
 
@@ -87,6 +89,16 @@ def test_few_points_and_pictures():
         assert 2.0 < grid.step < 4.0
         gap = np.unique(np.abs(np.diff(np.sort(grid.x[grid.inner]))))
         assert gap.max() < 200.0 / 3.0
+
+
+def test_most_of_an_ocean_sea_is_shown():
+    """What is left out is shorter than three points of the grid."""
+    long = wave_components((WaveSystem("bretschneider", 4.0, 12.4),))
+    wide = wave_components((WaveSystem("bretschneider", 4.0, 12.4, spreading=2.0),))
+    for parts, share in ((long, 0.95), (wide, 0.9)):
+        waves = {name: getattr(parts, name) for name in ("amplitude", "omega", "k")}
+        waves |= {"direction_to": parts.direction, "phase": np.zeros(len(parts.k))}
+        assert share * 4.0 < wave_grid({"waves": waves}, L, 5000.0).height <= 4.0
 
 
 def test_calm_water_is_one_flat_picture():

@@ -155,6 +155,7 @@ WRITING = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:compiled code cannot be kept")
 @pytest.mark.parametrize("verb", WRITING)
 def test_a_full_disk_is_one_line_and_leaves_nothing(cli, tmp_path, monkeypatch, small_files, verb):
     from ship_gym import provenance

@@ -6,7 +6,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ship_gym.recording.panels import STEERING, Panel
+from ship_gym.recording.panel import STEERING, Panel
 from ship_gym.recording.rerun_export.annotations import CARD, marks_view
 from ship_gym.recording.rerun_export.log import TIMELINE
 from ship_gym.recording.rerun_export.plots import plot_view
@@ -90,7 +90,9 @@ def blueprint(
     columns = [pictures]
     if panels:
         tabs = [
-            rrb.Vertical(*(plot_view(panel, t, axis, live) for panel in chosen), name=topic)
+            rrb.Vertical(
+                *(plot_view(panel, t, axis, live, len(chosen)) for panel in chosen), name=topic
+            )
             for topic, chosen in _tabs(panels)
         ]
         columns.append(rrb.Tabs(*tabs, active_tab=0) if len(tabs) > 1 else tabs[0])

@@ -17,10 +17,9 @@ from ship_gym.recording.axes import free_corner, y_range
 from ship_gym.recording.comparison import Run, common_times, panels, runs_of
 from ship_gym.recording.comparison_card import comparison_card, sources
 from ship_gym.recording.marks import marks
-from ship_gym.recording.panels import Panel
+from ship_gym.recording.panel import Panel
 from ship_gym.recording.rerun_export.annotations import CARD, MARKS
 from ship_gym.recording.rerun_export.blueprint import (
-    FOLLOWED,
     Packed,
     plan_view,
     scene_view,
@@ -28,6 +27,7 @@ from ship_gym.recording.rerun_export.blueprint import (
     whole,
 )
 from ship_gym.recording.rerun_export.log import TIMELINE, Output, log, log_style, new_stream
+from ship_gym.recording.rerun_export.picture import log_compass
 from ship_gym.recording.rerun_export.rows import changes, send_chosen, shown_rows, slow_rows
 from ship_gym.recording.rerun_export.rrd_file import COMPARISON, read_chunks
 from ship_gym.recording.rerun_export.water import send_water
@@ -36,7 +36,7 @@ from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.wave_grid import wave_grid
 
 _FORMAT, _HEAD = 1, "ShipGymComparison"
-_GRID, _TICK, _ROUTE = (62, 78, 96), (12, 88, 190), (206, 160, 80)
+_GRID, _TICK, _ROUTE = (62, 78, 96), (255, 255, 255), (206, 160, 80)
 _WHITE = (240, 240, 235)
 _GHOST = 120  # opacity of the other ships, of 255
 _MOST_POINTS = 1000  # of a track
@@ -158,11 +158,7 @@ def _log_sea(out: Output, first: Run, tracks: np.ndarray, length: float) -> np.n
     log(out, "world", rr.ViewCoordinates.FRD)  # x north, y east, z down: right-handed
     points, shown = scene.positions(first.trajectory.columns), shown_rows(len(first.t), False)
     send_water(out, grid, first.t, points, shown)
-    ring, names = scene.compass_ring(length)
-    ring = [line + above for line in ring]
-    log(out, FOLLOWED, rr.LineStrips3D(ring, colors=_WHITE, radii=-0.6))
-    letters = rr.Points3D(names + above, labels=["N", "E", "S", "W"], colors=_WHITE, radii=-1.0)
-    log(out, f"{FOLLOWED}/names", letters)
+    log_compass(out, length, above)
 
     def rows(new):
         return rr.Transform3D.columns(translation=points[new])

@@ -27,7 +27,7 @@ from ship_gym.recording.rerun_export.water import send_water
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.wave_grid import wave_grid
 
-_TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (12, 88, 190)
+_TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (255, 255, 255)
 _WHITE, _BRONZE, _STEEL = (226, 226, 220), (206, 160, 80), (120, 128, 138)
 _FINE = 256.0  # turns of the hull, the rudder and the propeller are in parts of this
 
@@ -89,7 +89,7 @@ def _log_scene(out, trajectory: Trajectory, points, ship, length, often, seldom)
     above = np.array([0.0, 0.0, -0.5 * grid.height - 0.004 * length])
     if out.fixed:
         log(out, "world", rr.ViewCoordinates.FRD)  # x north, y east, z down: right-handed
-        _log_compass(out, length, above)
+        log_compass(out, length, above)
     send_water(out, grid, t, points, often)
     places, turns = scene.pose(columns)
     _send_pose(out, "world/ship", t, often, places, turns)
@@ -150,7 +150,7 @@ def _send_pieces(out: Output, path: str, t, rows, pieces, archetype) -> None:
     send_chosen(out, path, t, chosen, lambda new: archetype.columns(strips=pieces[order[new]]))
 
 
-def _log_compass(out, length: float, above: np.ndarray) -> None:
+def log_compass(out, length: float, above: np.ndarray) -> None:
     """Log the compass ring, which moves with the ship but does not turn with it."""
     ring, names = scene.compass_ring(length)
     ring = rr.LineStrips3D([line + above for line in ring], colors=_TRACK, radii=-0.6)
@@ -229,18 +229,11 @@ def _log_chart(out, trajectory: Trajectory, ship, length: float, low, high) -> N
 def _log_solid(out, path: str, mesh, color=None) -> None:
     """Log a closed mesh, sharp-edged in one colour, or round in a hull's paint."""
     vertices, triangles, normals = hull_shape.flat_shaded(*mesh)
-    if color:
-        paint = np.broadcast_to(np.array(color, dtype=np.uint8), vertices.shape)
+    if color is not None:
+        look = {"albedo_factor": color}
     else:
         paint = scene.hull_colors(vertices, normals)
-    shaded = hull_shape.smooth_shaded(vertices, normals, paint) if not color else None
-    if shaded is not None:
-        vertices, triangles, normals, paint = shaded
-    look = {"albedo_factor": color} if color else {"vertex_colors": paint}
-    log(
-        out,
-        path,
-        rr.Mesh3D(
-            vertex_positions=vertices, triangle_indices=triangles, vertex_normals=normals, **look
-        ),
-    )
+        shaded = hull_shape.smooth_shaded(vertices, normals, paint)
+        vertices, triangles, normals, look = *shaded[:3], {"vertex_colors": shaded[3]}
+    points = {"vertex_positions": vertices, "triangle_indices": triangles}
+    log(out, path, rr.Mesh3D(**points, vertex_normals=normals, **look))
