@@ -225,7 +225,13 @@ def locked(path: str | os.PathLike, doing: str) -> Iterator[None]:
 
 
 def take_lock(file: IO[bytes]) -> bool:
-    """Take the lock of a file for as long as it is open; False if another process has it."""
+    """Take the lock of a file for as long as it is open; False if another process has it.
+
+    Raises
+    ------
+    OSError
+        The file system has no locks.
+    """
     try:
         import fcntl
     except ImportError:  # Windows locks bytes: one far behind the number, which stays readable
@@ -239,6 +245,8 @@ def take_lock(file: IO[bytes]) -> bool:
         return True
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
+    except (BlockingIOError, PermissionError):  # the latter by some network file systems
         return False
+    except OSError as error:
+        raise OSError(error.errno, f"no lock: {error.strerror}", file.name) from error
     return True

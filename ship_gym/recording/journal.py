@@ -191,7 +191,14 @@ def _opened(path: Path) -> IO[bytes]:
     path.parent.mkdir(parents=True, exist_ok=True)
     while True:
         file = path.open("a+b", buffering=0)
-        if not take_lock(file):
+        try:
+            free = take_lock(file)
+        except OSError:
+            file.close()
+            if path.stat().st_size == 0:
+                path.unlink()
+            raise
+        if not free:
             file.close()
             raise BeingWritten(f"{path}: another run is recorded into this file; give another name")
         if path.exists() and os.path.samestat(path.stat(), os.fstat(file.fileno())):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+
 import numpy as np
 import pytest
 
@@ -108,6 +110,18 @@ def test_a_full_disk_leaves_the_chunks_before(tmp_path, limited):
         journal.append(ROWS[:1])  # where there is room again
     journal.close()
     assert len(read_journal(journal.path)[0]["t"]) == 10
+
+
+def test_a_file_system_without_locks_is_said(tmp_path, monkeypatch):
+    fcntl = pytest.importorskip("fcntl")
+
+    def flock(*_):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    with pytest.raises(OSError, match=r"no lock: No locks available.*run\.rrd\.partial"):
+        Journal(tmp_path / "run.rrd.partial", NAMES, {})
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_place_that_cannot_be_written_is_said_at_once(tmp_path):
