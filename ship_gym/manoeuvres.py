@@ -30,6 +30,19 @@ _SAMPLE = 1.0 / 400.0  # output step in L / U0: 0.08 s for KCS at 14.5 kn
 # four to six in the period at which she meets waves of half her length to her length.
 _RECORDED = 20.0
 _LISTED = 8  # most values of a measure that become metrics of their own, as overshoots do
+# Units of the measures of all manoeuvres; the others are ratios.
+_UNITS = {
+    **dict.fromkeys(("advance", "transfer", "tactical_diameter", "max_advance"), "L"),
+    **dict.fromkeys(("max_transfer", "steady_diameter", "drift_distance", "initial_turning"), "L"),
+    **dict.fromkeys(("head_reach", "lateral_deviation", "track_reach"), "L"),
+    **dict.fromkeys(("steady_drift", "drift_direction", "overshoots", "heading_change"), "rad"),
+    **dict.fromkeys(("loop_width", "neutral_angle", "delta"), "rad"),
+    **dict.fromkeys(("execute_times", "period", "time", "reversal", "half_time"), "s"),
+    **dict.fromkeys(("steady_thrust", "rudder_normal_force", "largest_astern_thrust"), "N"),
+    "steady_torque": "N m",
+    "final_n": "rev/s",
+    "slope": "1/rad",
+}
 _TURNS = 2.5  # turns sailed in a turning circle; the last one is the steady part
 
 
@@ -350,20 +363,23 @@ def recording(result: Any) -> Trajectory:
     Returns
     -------
     Trajectory
-        With ``metrics`` (numbers, angles in rad; None: not reached) and ``curves`` (a spiral's
-        measures of many values) in its meta.
+        With ``metrics`` (numbers, angles in rad; None: not reached), their ``units`` and
+        ``curves`` (a spiral's measures of many values) in its meta.
     """
     full = result.trajectory
-    metrics, curves = {}, {}
+    metrics, units, curves = {}, {}, {}
     for name, value in result.measures().items():
         if not isinstance(value, tuple):
-            metrics[name] = value if math.isfinite(value) else None
+            found = {name: value if math.isfinite(value) else None}
         elif len(value) <= _LISTED:
             one = name.removesuffix("s")  # overshoot_1 of overshoots
-            metrics |= {f"{one}_{k}": v for k, v in enumerate(value, start=1)}
+            found = {f"{one}_{k}": v for k, v in enumerate(value, start=1)}
         else:
-            curves[name] = list(value)
-    meta = {"kind": "manoeuvre", "metrics": metrics} | ({"curves": curves} if curves else {})
+            found, curves[name] = {}, list(value)
+        metrics |= found
+        units |= dict.fromkeys(found, _UNITS.get(name, "-"))
+    meta = {"kind": "manoeuvre", "metrics": metrics, "units": units}
+    meta |= {"curves": curves} if curves else {}
     unit = full.meta["ship"]["L"] / full.meta["config"]["speed"]
     return thinned(Trajectory(full.columns, full.meta | meta), unit / _RECORDED)
 

@@ -1,12 +1,25 @@
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
+from ship_gym import manoeuvres
 from ship_gym.config import ConfigError
-from ship_gym.manoeuvres import imo_limits, recording, run_trial, turning_circle, zigzag
+from ship_gym.manoeuvres import (
+    TurningCircle,
+    ZigZag,
+    imo_limits,
+    recording,
+    run_trial,
+    turning_circle,
+    zigzag,
+)
+from ship_gym.reports import handling, measures
 from ship_gym.sea import Sea
 from ship_gym.ships import load_ship
+from ship_gym.stability import PullOut, Spiral
+from ship_gym.stopping import SpeedChange
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +84,9 @@ def test_zigzag_overshoots_are_the_peaks(kcs_model):
     assert zz.period > 0.0 and 1.0 < zz.initial_turning < 3.0
     metrics = recording(zz).meta["metrics"]
     assert metrics["overshoot_2"] == zz.overshoots[1] and "curves" not in recording(zz).meta
+    units = recording(zz).meta["units"]
+    assert units.keys() == metrics.keys()
+    assert (units["overshoot_2"], units["execute_time_1"], units["period"]) == ("rad", "s", "s")
     short = zigzag(kcs_model, math.radians(20), math.radians(20), 0.860, overshoots=1)
     assert recording(short).meta["metrics"]["period"] is None
     rudder = zz.trajectory["delta"]
@@ -121,3 +137,15 @@ def test_every_trial_of_every_ship_can_be_sailed(ship):
     for trial in ship.trials:
         result = {*run_trial(ship, trial).measures(), "movable_rudder_force"}
         assert all(name.removesuffix("_deg") in result for name in trial.measures)
+
+
+def test_measures_have_the_units_of_the_reports():
+    shown = measures._QUANTITIES | {"overshoots": ("", "deg", 0.0, 0)}
+    for kind in handling.KINDS.values():
+        shown = shown | kind.quantities
+    results = (TurningCircle, ZigZag, SpeedChange, PullOut, Spiral)
+    names = {f.name for one in results for f in dataclasses.fields(one)} & shown.keys()
+    assert len(names) > 30
+    for name in names:
+        unit = shown[name][1]
+        assert manoeuvres._UNITS.get(name, "-") == {"deg": "rad"}.get(unit, unit), name

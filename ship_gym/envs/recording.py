@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import itertools
 import weakref
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -24,7 +25,7 @@ from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.recording_options import RecordingOptions
 from ship_gym.envs.streamed import Streamed, about_run
 from ship_gym.provenance import provenance
-from ship_gym.recording.journal import journal_path
+from ship_gym.recording.journal import BeingWritten, journal_path
 from ship_gym.recording.trajectory import Trajectory, import_rerun_export
 
 _LARGEST_SEED = 2**63  # those that numpy draws itself are longer than a file name should be
@@ -34,7 +35,7 @@ _LARGEST_SEED = 2**63  # those that numpy draws itself are longer than a file na
 class _Run:
     """An episode that is followed."""
 
-    file: Path
+    name: str  # of its file, without the ending
     place: int  # in the log
     conditions: Conditions
     about: dict[str, Any]
@@ -122,11 +123,9 @@ class EpisodeRecording:
 
     def _open(self, fresh: Mapping[int, dict[str, Any]]) -> None:
         """Follow those of the episodes that sail their first interval which are wanted."""
-        wanted = {}
-        for i in sorted(fresh):
-            if self._options.wants(self._count):
-                wanted[i] = self._count
-            self._count += 1
+        numbers = dict(zip(sorted(fresh), itertools.count(self._count)))
+        self._count += len(fresh)  # also where the function of the numbers fails
+        wanted = {i: number for i, number in numbers.items() if self._options.wants(number)}
         if not wanted:
             return
         if self._log is None:
@@ -134,17 +133,23 @@ class EpisodeRecording:
         places = self._log.begin(np.array(list(wanted)))
         self._log.before()
         for (i, number), place in zip(wanted.items(), places.tolist(), strict=True):
-            file, about = self._file(i, number), self._about(i, number, fresh[i])
+            name, about = self._name(i, number), self._about(i, number, fresh[i])
             conditions = conditions_of(self._batch, i, self._setting(i))
-            self._runs[i] = _Run(file, place, conditions, about)
+            self._runs[i] = _Run(name, place, conditions, about)
         if self._options.streams:
             self._each(wanted, self._stream)
 
     def _stream(self, i: int) -> None:
-        """Open the file of an episode."""
+        """Open a file for an episode, one that is not there and that no other run writes."""
         run = self._runs[i]
-        parts = (run.file, self._log, run.place, run.conditions, run.about)
-        run.stream = Streamed(*parts, picture=self._options.picture)
+        parts = (self._log, run.place, run.conditions, run.about, self._options.picture)
+        for again in itertools.count(1):
+            name = f"{run.name}-again-{again}.rrd" if again > 1 else f"{run.name}.rrd"
+            file = self._options.folder / name
+            if not (file.exists() or journal_path(file).exists()):
+                with contextlib.suppress(BeingWritten):  # since then, by another process
+                    run.stream = Streamed(file, *parts)
+                    return
 
     def _setting(self, i: int) -> Setting:
         ship = self._batch.ships[i]
@@ -164,20 +169,14 @@ class EpisodeRecording:
             about["stream"] = {"seed": stream, "resets": resets}
         return about | ({"reset_options": given} if given else {})
 
-    def _file(self, i: int, number: int) -> Path:
-        """A file that is not there yet: name, number, environment, seed, resets of its stream."""
+    def _name(self, i: int, number: int) -> str:
+        """Name of a file: number, environment, seed, resets of its stream."""
         seed, resets = self._origin(i)
         parts = [self._options.name, f"{number:06d}"]
         parts += [f"env-{i:04d}"] if self._batch.n > 1 else []
         if seed is not None and seed < _LARGEST_SEED:
             parts += [f"seed-{seed}", *([f"reset-{resets}"] if resets else [])]
-        stem, tries = "-".join(parts), 1
-        while True:
-            again = f"-again-{tries}" if tries > 1 else ""
-            file = self._options.folder / f"{stem}{again}.rrd"
-            if not (file.exists() or journal_path(file).exists()):
-                return file
-            tries += 1
+        return "-".join(parts)
 
     def _finish(self, ended: list[int], cut_short: bool = False) -> None:
         """Write what is kept of the episodes that are over, from the batch as it is now."""
@@ -193,14 +192,14 @@ class EpisodeRecording:
         """Write an episode whose last row the log has, if it is kept."""
         if run.stream is not None:
             run.stream.finish(outcome)
-            return self._keep(0.0, run.file)
+            return self._keep(0.0, run.stream.path)
         rows = self._log.part(run.place, 0, int(self._log.lengths[run.place]) + 1)
         trajectory = run.conditions.trajectory(rows, outcome, run.about)
         value = self._value(trajectory)
         if value is not None and self._options.takes(trajectory):
             self._stream(i)
             run.stream.finish(outcome, trajectory)
-            self._keep(value, run.file)
+            self._keep(value, run.stream.path)
         return None
 
     def _value(self, trajectory: Trajectory) -> float | None:

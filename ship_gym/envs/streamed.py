@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -64,7 +65,7 @@ class Streamed:
         self._recorder = Recorder(path, meta, names, chunk=self._chunk, picture=picture)
 
     @property
-    def path(self) -> os.PathLike:
+    def path(self) -> Path:
         """The file."""
         return self._recorder.path
 

@@ -13,7 +13,8 @@ from ship_gym.plotting.figure import DASHED, FAINT, INK, headline, picture
 from ship_gym.recording.axes import y_range
 from ship_gym.recording.card import run_name
 from ship_gym.recording.marks import Mark, marks
-from ship_gym.recording.panels import Panel, motion_panels, steering_panels
+from ship_gym.recording.panel import Panel
+from ship_gym.recording.panels import motion_panels, steering_panels
 from ship_gym.recording.trajectory import Trajectory
 
 _COLUMNS = 2  # of plots

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 # The viewer writes ticks at whole powers of ten only, and only where they are far enough apart:
-# of four plots on a screen, up to ten.
-_MOST_TICKS, _FEWEST_TICKS = 10, 3
+# so many on the height of a screen, shared by the plots above each other.
+_TICKS, _FEWEST_TICKS = 32, 3
 _ROOM = 0.04  # of the range, free above and below
 USUAL = "LeftBottom"  # where the viewer puts a legend by itself
 CORNERS = ("LeftTop", "RightTop", "RightBottom", "LeftBottom")
@@ -19,7 +19,10 @@ _NEAR = 0.4  # of the range of the lines: a limit that is not farther from them 
 
 
 def y_range(
-    lines: Sequence[np.ndarray], limits: Sequence[np.ndarray] = (), robust: bool = False
+    lines: Sequence[np.ndarray],
+    limits: Sequence[np.ndarray] = (),
+    robust: bool = False,
+    plots: int = 4,
 ) -> tuple[float, float]:
     """Lower and upper end of an axis on which all lines can be read.
 
@@ -31,21 +34,20 @@ def y_range(
         Lines that count only where the others come near to them.
     robust : bool
         Leave the largest tenth of the rows out, so that the rest can be read.
+    plots : int
+        Above each other on the screen.
 
     Returns
     -------
     low, high : float
-        Wide enough for three ticks at least.
+        Wide enough for three ticks, or two where a third would shrink the lines to half.
     """
     low, high = _extent(_without_peaks(lines) if robust else lines, limits)
     span = high - low
-    step = 10.0 ** math.ceil(math.log10(span / _MOST_TICKS) - 1e-9)
+    step = 10.0 ** math.ceil(math.log10(span * plots / _TICKS) - 1e-9)
     if span / step >= _FEWEST_TICKS:
         return low - _ROOM * span, high + _ROOM * span
     first, last = math.floor(low / step + 1e-6), math.ceil(high / step - 1e-6)
-    if last - first < _FEWEST_TICKS - 1:  # one more, where the data are nearer to the end
-        above = high / step - first > last - low / step
-        first, last = (first, last + 1) if above else (first - 1, last)
     room = _ROOM * (last - first)
     return (first - room) * step, (last + room) * step
 

@@ -11,9 +11,10 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.recording.card import facts, scenario_name
 from ship_gym.recording.marks import time_unit
-from ship_gym.recording.panels import Panel, Series
+from ship_gym.recording.panel import Panel, Series
 from ship_gym.recording.surroundings import section, speed_through_water
 from ship_gym.recording.task_error import task_error
+from ship_gym.recording.turns import is_manoeuvre
 
 if TYPE_CHECKING:
     from ship_gym.recording.trajectory import Trajectory
@@ -90,7 +91,7 @@ def runs_of(trajectories: Sequence[Trajectory], names: Sequence[str] | None = No
 
 def _check_same(what: str, values: Sequence[Any], names: Sequence[str]) -> None:
     if any(value != values[0] for value in values):
-        pairs = ", ".join(f"{name}: {value}" for name, value in zip(names, values, strict=True))
+        pairs = "; ".join(f"{name}: {value}" for name, value in zip(names, values, strict=True))
         raise ConfigError(f"recordings of different {what} are not compared ({pairs})")
 
 
@@ -102,7 +103,7 @@ def labels(trajectories: Sequence[Trajectory]) -> list[str]:
     parts = [
         [one.meta.get("controller") or None for one in trajectories],
         [
-            None if (seed := one.meta.get("seed")) is None else f"seed {seed}"
+            None if is_manoeuvre(one) or (seed := one.meta.get("seed")) is None else f"seed {seed}"
             for one in trajectories
         ],
         [section(one.meta, "ship").get("name") for one in trajectories],

@@ -36,6 +36,10 @@ def journal_path(path: str | os.PathLike) -> Path:
     return path.with_name(path.name + SUFFIX)
 
 
+class BeingWritten(ConfigError):
+    """A journal that another process, or another run of this one, writes."""
+
+
 class Journal:
     """A journal that is being written, held by a lock; one that a dead run left is overwritten.
 
@@ -50,17 +54,17 @@ class Journal:
 
     Raises
     ------
-    ConfigError
-        Another process, or another run of this one, writes it.
+    BeingWritten
+        A ConfigError: another process, or another run of this one, writes it.
     OSError
         It cannot be written there.
     """
 
     def __init__(self, path: str | os.PathLike, names: Sequence[str], meta: Mapping):
         self.path = Path(path)
-        self._columns = len(names)
         self._file = _opened(self.path)
         self._size, self._digest = 0, b""
+        self._chunks = 0  # of rows
         try:
             self._write(_LINE)
             head = {"columns": list(names), "meta": dict(meta)}
@@ -72,10 +76,14 @@ class Journal:
     def append(self, rows: np.ndarray) -> None:
         """Hand one chunk of rows, float64 of shape (k, C), to the operating system."""
         self._append(_ROWS, np.ascontiguousarray(rows, dtype="<f8").tobytes())
+        self._chunks += 1
 
     def close(self) -> None:
-        """Let the file go; it stays, with every chunk."""
-        self._file.close()
+        """Let the file go; it stays, with every chunk. Without any it is removed."""
+        if self._chunks:
+            self._file.close()
+        else:
+            self.remove()
 
     def remove(self) -> None:
         """Remove the file."""
@@ -160,7 +168,8 @@ def _block(data: bytes, at: int, before: bytes, path: str | os.PathLike):
         return None
     _, length = _BLOCK.unpack_from(data, at)
     stop = begun + length
-    if stop + _DIGEST > len(data) or not any(data[at:]):  # zeros: a machine that went down
+    # zeros to the end instead of a digest: a machine that went down
+    if stop + _DIGEST > len(data) or not any(data[stop:]):
         return None
     digest = _chained(before, data[at:stop])
     if digest != data[stop : stop + _DIGEST]:
@@ -179,7 +188,7 @@ def _opened(path: Path) -> IO[bytes]:
         file = path.open("a+b", buffering=0)
         if not take_lock(file):
             file.close()
-            raise ConfigError(f"{path}: another run is recorded into this file; give another name")
+            raise BeingWritten(f"{path}: another run is recorded into this file; give another name")
         if path.exists() and os.path.samestat(path.stat(), os.fstat(file.fileno())):
             file.truncate(0)
             return file

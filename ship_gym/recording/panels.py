@@ -3,55 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ship_gym.conventions import FORCE_AXES, FORCES, UNITS, wrap_angle
+from ship_gym.conventions import FORCE_AXES, wrap_angle
+from ship_gym.recording.load_panels import flow_panels, force_panel, units_panel
+from ship_gym.recording.panel import (
+    BLUE,
+    DEG,
+    GREEN,
+    GREY,
+    ORANGE,
+    PALETTE,
+    RED,
+    STEERING,
+    Columns,
+    Panel,
+    Series,
+)
 from ship_gym.recording.surroundings import speed_through_water
-
-Columns = Mapping[str, np.ndarray]
-
-# Readable on black and on white: the viewer has a dark and a light theme.
-BLUE, ORANGE, GREEN, RED = (40, 130, 220), (214, 112, 16), (46, 150, 76), (218, 66, 66)
-GREY, PURPLE, TEAL, PINK = (128, 128, 128), (150, 96, 214), (16, 146, 152), (206, 76, 150)
-_PALETTE = (BLUE, ORANGE, GREEN, PURPLE, TEAL, PINK, RED, GREY)
-_SIDES = (GREEN, RED)  # starboard and port, as their lights
-_SHARES = {"X": "surge", "Y": "sway", "N": "yaw"}
-_PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))
-_DEG = 180.0 / np.pi
-# Topics: each is a tab of the viewer; the first holds what is seen at once.
-STEERING, COURSE, FORCE, LOADS, FLOW = "Steering", "Course", "Forces", "Loads", "Flow"
-
-
-@dataclass(frozen=True)
-class Series:
-    """One line of a plot: legend text, values of shape (T,) in the panel's unit, RGB colour.
-
-    A `limit` need not be on the axis as long as the other lines are far from it.
-    """
-
-    label: str
-    values: np.ndarray
-    color: tuple[int, int, int]
-    limit: bool = False
-
-
-@dataclass(frozen=True)
-class Panel:
-    """One plot: the path of its data, a title with the unit, its lines, and its tab."""
-
-    path: str
-    title: str
-    series: list[Series]
-    topic: str = COURSE
-    robust: bool = False  # the axis leaves out the largest tenth of the rows
-
-    @property
-    def name(self) -> str:
-        """Last part of the path."""
-        return self.path.rpartition("/")[2]
 
 
 def plots_meta(plots: Sequence[tuple[str, str, Sequence[str]]]) -> dict[str, list]:
@@ -108,10 +80,10 @@ def motion_panels(
         Panel("plots/heading_error", "Heading error [deg]", _heading_error(columns)),
         Panel("plots/yaw_rate", "Rate of turn [deg/s]", _yaw_rate(columns)),
         Panel("plots/wave_motion", "Motion in waves [deg]", _wave_motion(columns)),
-        *(_forces(columns, axis, largest) for axis in FORCE_AXES),
-        _units(columns, "thrust", "Thrust of each propeller", largest),
-        _units(columns, "rudder_normal_force", "Normal force of each rudder", largest),
-        *_flow_panels(columns, meta),
+        *(force_panel(columns, axis, largest) for axis in FORCE_AXES),
+        units_panel(columns, "thrust", "Thrust of each propeller", largest),
+        units_panel(columns, "rudder_normal_force", "Normal force of each rudder", largest),
+        *flow_panels(columns, meta),
     )
 
 
@@ -137,17 +109,17 @@ def _heading_panel(columns: Columns, meta: Mapping[str, Any]) -> Panel:
         psi = unwrapped(columns["psi"])
         if "psi_measured" in columns:
             seen = psi + wrap_angle(columns["psi_measured"] - columns["psi"])
-            found.append(Series("measured", _DEG * seen, GREY))
+            found.append(Series("measured", DEG * seen, GREY))
         elif _in_waves(columns, "wave_yaw"):
-            found.append(Series("in waves", _DEG * (psi + columns["wave_yaw"]), GREY))
-        found.append(Series("true", _DEG * psi, BLUE))
+            found.append(Series("in waves", DEG * (psi + columns["wave_yaw"]), GREY))
+        found.append(Series("true", DEG * psi, BLUE))
         if "psi_ordered" in columns:
             ordered = psi - wrap_angle(columns["psi"] - columns["psi_ordered"])
-            found.append(Series("ordered", _DEG * ordered, ORANGE))
+            found.append(Series("ordered", DEG * ordered, ORANGE))
             end = _limit(meta, "heading_error_deg")
             if end is not None:
                 sides = (1.0, -1.0)
-                found += [Series("limit", _DEG * ordered + k * end, RED, True) for k in sides]
+                found += [Series("limit", DEG * ordered + k * end, RED, True) for k in sides]
     beyond = any(np.any((s.values < 0.0) | (s.values >= 360.0)) for s in found if not s.limit)
     title = "Heading [deg true]" + (", beyond 000-360 where it would jump" if beyond else "")
     return Panel("plots/heading", title, found)
@@ -189,11 +161,11 @@ def _both(limit: float, label: str, columns: Columns) -> list[Series]:
 
 
 def _rudder_panel(columns: Columns, meta: Mapping[str, Any]) -> Panel:
-    found = _pair(columns, "delta", _DEG)
+    found = _pair(columns, "delta", DEG)
     ship = meta.get("ship")
     limit = _limit(meta, "rudder_deg")
     if limit is None and isinstance(ship, Mapping) and ship.get("delta_max"):
-        limit = _DEG * float(ship["delta_max"])
+        limit = DEG * float(ship["delta_max"])
     if found and limit is not None and "t" in columns:
         found += _both(limit, "limit", columns)
     return Panel("plots/rudder", "Rudder [deg], + turns to starboard", found)
@@ -235,7 +207,7 @@ def _reward_panel(columns: Columns) -> Panel:
     names = [k for k in columns if k.startswith("reward_") and k != "reward_termination"]
     found = [
         Series(name.removeprefix("reward_").replace("_", " "), _held(columns[name]), color)
-        for name, color in zip(names, _PALETTE * 9, strict=False)
+        for name, color in zip(names, PALETTE * 9, strict=False)
     ]
     title = "Reward of an interval, by terms"
     if "reward" in columns:
@@ -255,9 +227,9 @@ def _yaw_rate(columns: Columns) -> list[Series]:
     """Draw the yaw rate over what a sensor in the waves measures."""
     if "r" not in columns:
         return []
-    found = [Series("low-frequency", _DEG * columns["r"], BLUE)]
+    found = [Series("low-frequency", DEG * columns["r"], BLUE)]
     if _in_waves(columns, "wave_yaw_rate"):
-        seen = _DEG * (columns["r"] + columns["wave_yaw_rate"])
+        seen = DEG * (columns["r"] + columns["wave_yaw_rate"])
         found = [Series("in waves", seen, GREY), *found]
     return found
 
@@ -266,7 +238,7 @@ def _wave_motion(columns: Columns) -> list[Series]:
     """Draw roll and yaw of wave frequency; nothing in calm water."""
     names = (("wave_roll", "roll", GREEN), ("wave_yaw", "yaw", BLUE))
     return [
-        Series(label, _DEG * columns[name], color)
+        Series(label, DEG * columns[name], color)
         for name, label, color in names
         if _in_waves(columns, name)
     ]
@@ -274,7 +246,7 @@ def _wave_motion(columns: Columns) -> list[Series]:
 
 def _heading_error(columns: Columns) -> list[Series]:
     error = heading_error(columns)
-    return [] if error is None else [Series("error", _DEG * error, RED)]
+    return [] if error is None else [Series("error", DEG * error, RED)]
 
 
 def _pair(columns: Columns, name: str, scale: float) -> list[Series]:
@@ -290,76 +262,8 @@ def _plain(
     names = [name for name in names if name in columns]
     return [
         Series((labels or {}).get(name) or name, columns[name], color)
-        for name, color in zip(names, _PALETTE * 9, strict=False)
+        for name, color in zip(names, PALETTE * 9, strict=False)
     ]
-
-
-def _forces(columns: Columns, axis: str, largest: Mapping[str, float] | None) -> Panel:
-    """Draw one axis of the force breakdown: columns X_hull, X_propeller, ..., the known first.
-
-    What is zero all the time, such as waves in calm water, is left out once the run is over.
-    """
-    colours = {f"{axis}_{force.name}": force for force in FORCES}
-    names = [name for name in colours if name in columns]
-    names += [name for name in columns if name.startswith(f"{axis}_") and name not in colours]
-    most = max((float(np.abs(columns[name]).max()) for name in names), default=0.0)
-    size, prefix = _prefix(most if largest is None else largest[axis])
-    unit = f"{prefix}N m" if axis == "N" else f"{prefix}N"
-    what = "moment" if axis == "N" else "force"
-    series = [
-        Series(
-            colours[k].label if k in colours else k.removeprefix(f"{axis}_"),
-            columns[k] / size,
-            _rgb(colours[k].colour) if k in colours else GREY,
-        )
-        for k in names
-        if largest is not None or columns[k].any()
-    ]
-    title = f"{axis}: {_SHARES[axis]} {what} [{unit}]"
-    return Panel(f"plots/force_{axis}", title, series, FORCE)
-
-
-def _rgb(colour: str) -> tuple[int, int, int]:
-    """Red, green and blue of ``#rrggbb``, lightened where black would swallow it."""
-    red, green, blue = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
-    return (red + 24, green + 24, blue + 24) if red + green + blue < 300 else (red, green, blue)
-
-
-def _units(columns: Columns, name: str, title: str, largest: Mapping[str, float] | None) -> Panel:
-    """Draw a force of the starboard unit and of the port one; nothing of a ship with one."""
-    names = [f"{name}_{side}" for side in UNITS if f"{name}_{side}" in columns]
-    most = max((float(np.abs(columns[k]).max()) for k in names), default=0.0)
-    size, prefix = _prefix(most if largest is None else largest["X"])
-    series = [
-        Series(k.removeprefix(f"{name}_"), columns[k] / size, colour)
-        for k, colour in zip(names, _SIDES, strict=False)
-    ]
-    return Panel(f"plots/{name}_of_units", f"{title} [{prefix}N]", series, LOADS)
-
-
-def _flow_panels(columns: Columns, meta: Mapping[str, Any]) -> list[Panel]:
-    """Advance ratio and drift of the flow with their trained box, and how far outside they are."""
-    angles = (("beta_P", "at propeller", BLUE), ("beta_R", "at rudder", ORANGE))
-    inflow = [Series(label, _DEG * columns[k], c) for k, label, c in angles if k in columns]
-    ratios = (("J", "J", BLUE), ("extrapolation", "outside: propeller, rudder", ORANGE),
-              ("waves_extrapolation", "outside: wave table", PURPLE))  # fmt: skip
-    advance = [Series(label, columns[k], c) for k, label, c in ratios if k in columns]
-    ship = meta.get("ship")
-    box = ship.get("trained_box") if isinstance(ship, Mapping) else None
-    if box and "delta" in columns:
-        whole = np.ones(len(columns["t"]))
-        side = -1.0 if columns["delta"].mean() < 0.0 else 1.0  # the box of port is its mirror
-        advance += [Series("trained box", end * whole, GREY, True) for end in box["J"]]
-        inflow += [Series("trained box", side * _DEG * k * whole, GREY, True) for k in box["beta"]]
-    return [
-        Panel("plots/advance", "Advance ratio J, and way outside what is known [-]", advance, FLOW),
-        Panel("plots/inflow", "Drift angle of the flow [deg]", inflow, FLOW),
-    ]
-
-
-def _prefix(most: float) -> tuple[float, str]:
-    """Size and prefix of the unit in which `most` is drawn."""
-    return next((p for p in _PREFIXES if most >= p[0]), (1.0, ""))
 
 
 def _filled(*panels: Panel) -> list[Panel]:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 DEGREE = "\N{DEGREE SIGN}"
 _ANGLES = {"rad": "deg", "rad/s": "deg/s"}  # as people read them
+# Columns of a distance across a track, positive to starboard, as people name them
+_ACROSS = {"off_route": "distance to the route", "cross_track_error": "cross track error"}
 _COME = 0.1  # share of its first value at which an error has come down, or by which it has grown
 _MOST_STEPS = 60  # more changes of an order are no steps, but an order that moves all the time
 
@@ -32,18 +34,24 @@ class TaskError:
         In that unit, shape (T,).
     stepped : bool
         Whether a new order makes a new error, as it does with a heading.
+    sided : bool
+        Whether it is a distance to starboard (positive) or to port.
     """
 
     label: str
     unit: str
     values: np.ndarray
     stepped: bool
+    sided: bool = False
 
     def text(self, row: int) -> str:
         """The error in a row, with its sign and unit."""
         value = self.values[row]
         if self.unit == "deg":
             return f"{value:+.1f}{DEGREE}"
+        if self.sided:
+            size = f"{abs(value):.0f}" if abs(value) >= 100.0 else f"{abs(value):.3g}"
+            return f"{size} {self.unit} to {'port' if value < 0.0 else 'starboard'}"
         return f"{value:+.0f} {self.unit}" if abs(value) >= 100.0 else f"{value:+.3g} {self.unit}"
 
 
@@ -55,10 +63,10 @@ def task_error(trajectory: Trajectory) -> TaskError | None:
         label = str(named.get("label", named["column"]))
         if unit in _ANGLES:
             values, unit = np.degrees(values), _ANGLES[unit]
-        return TaskError(label, unit, values, unit == "deg")
-    for name, label in (("off_route", "distance to the route"), ("cross_track_error",) * 2):
+        return TaskError(label, unit, values, unit == "deg", named["column"] in _ACROSS)
+    for name, label in _ACROSS.items():
         if name in trajectory:
-            return TaskError(label.replace("_", " "), "m", trajectory[name], False)
+            return TaskError(label, "m", trajectory[name], False, True)
     error = heading_error(columns)
     if error is None:
         return None

@@ -10,12 +10,14 @@ from types import SimpleNamespace
 import gymnasium as gym
 import numpy as np
 import pytest
+from gymnasium.vector import SyncVectorEnv
 
 import ship_gym  # noqa: F401  registers the ids
 from ship_gym import RecordRerun, RecordRerunVector, ShipEnv, ShipVectorEnv, Trajectory
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import metrics, rollout
 from ship_gym.evaluation.controller import ConstantController
+from ship_gym.recording.journal import Journal
 
 pytest.importorskip("rerun")
 ID = "ShipGym/HeadingKeeping-v0"
@@ -129,6 +131,52 @@ def test_the_latest_stay_and_nothing_is_overwritten(tmp_path):
         sail(env, 2)
         env.close()
     assert names(tmp_path) == ["run-000001-seed-2-again-2.rrd", "run-000001-seed-2.rrd"]
+
+
+@pytest.mark.parametrize("keep", ["all", lambda t: True], ids=["streamed", "in memory"])
+def test_environments_of_one_folder_overwrite_nothing(tmp_path, keep):
+    """They sail side by side, without seeds, so that all of them would take the same name."""
+    record = {"folder": tmp_path, "keep": keep, **FAST}
+    envs = SyncVectorEnv([lambda: ShipEnv(overrides=SHORT, record=record) for _ in range(3)])
+    envs.reset()
+    for _ in range(12):
+        envs.step(np.zeros((3, 1)))
+    envs.close()
+    assert names(tmp_path) == [f"episode-000000{k}.rrd" for k in ("-again-2", "-again-3", "")]
+    files = [Trajectory.from_rrd(path) for path in tmp_path.iterdir()]
+    assert len({file["psi_ordered"][0] for file in files}) == 3
+
+
+def test_a_file_that_another_process_has_just_begun_is_left_to_it(tmp_path, monkeypatch):
+    """Both have looked whether it is there before either has made it."""
+    from ship_gym.envs import recording
+
+    held = Journal(tmp_path / "episode-000000-seed-1.rrd.partial", ["t"], {})
+    monkeypatch.setattr(recording, "journal_path", lambda path: tmp_path / "unseen")
+    env = ShipEnv(overrides=SHORT, record={"folder": tmp_path, **FAST})
+    sail(env, 1)
+    env.close()
+    held.close()
+    assert names(tmp_path) == ["episode-000000-seed-1-again-2.rrd", held.path.name]
+
+
+def test_a_function_that_fails_costs_only_the_episodes_of_its_step(tmp_path):
+    def wanted(number):
+        if number == 1:
+            raise RuntimeError("not this one")
+        return True
+
+    record = {"folder": tmp_path, "episodes": wanted, **FAST}
+    env = ShipVectorEnv(2, overrides=SHORT, record=record)
+    env.reset(seed=4)
+    with pytest.raises(RuntimeError, match="not this one"):
+        env.step(np.zeros((2, 1)))
+    env.reset(seed=6)
+    for _ in range(12):
+        env.step(np.zeros((2, 1)))
+    env.close()
+    expected = ["episode-000002-env-0000-seed-6.rrd", "episode-000003-env-0001-seed-7.rrd"]
+    assert names(tmp_path) == expected
 
 
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])

@@ -8,7 +8,7 @@ import pytest
 from ship_gym.recording import Trajectory
 from ship_gym.recording.card import card_text
 from ship_gym.recording.marks import marks
-from ship_gym.recording.panels import Panel, Series
+from ship_gym.recording.panel import Panel, Series
 
 rr = pytest.importorskip("rerun")
 chunk = pytest.importorskip("rerun.chunk")

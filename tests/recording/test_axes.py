@@ -9,28 +9,29 @@ from ship_gym.recording.axes import CORNERS, free_corner, y_range
 
 
 def ticks(low: float, high: float) -> int:
-    """Ticks of the finest power of ten of which not more than ten and a bit fit, as the viewer."""
-    step = 10.0 ** np.ceil(np.log10((high - low) / 11.0))
+    """Ticks of the finest power of ten that the viewer writes on a quarter of a screen."""
+    step = 10.0 ** np.ceil(np.log10((high - low) / 8.8))
     return int(np.floor(high / step) - np.ceil(low / step)) + 1
 
 
 @pytest.mark.parametrize(
-    ("low", "high"),
+    ("low", "high", "least"),
     [
-        (-90.0, -78.0),
-        (0.0, 900.0),
-        (-0.3, 35.0),
-        (59.9, 60.1),
-        (0.0, 11.0),
-        (4.2, 7.9),
-        (-1e6, 2e6),
+        (-90.0, -78.0, 3), (-0.3, 35.0, 4), (59.9, 60.1, 3), (0.0, 11.0, 3), (4.2, 7.9, 4),
+        (-1e6, 2e6, 3), (0.0, 900.0, 2), (-0.0098, 0.0, 2), (-9.0, 9.0, 3), (330.0, 352.0, 3),
     ],
-)
-def test_three_ticks_at_least(low, high):
+)  # fmt: skip
+def test_several_ticks(low, high, least):
     found = y_range([np.linspace(low, high, 50)])
     assert found[0] <= low
     assert found[1] >= high
-    assert ticks(*found) >= 3
+    assert ticks(*found) >= least
+    assert high - low > 0.45 * (found[1] - found[0])
+
+
+def test_fewer_plots_have_room_for_more_ticks():
+    low, high = y_range([np.linspace(0.0, 900.0, 50)], plots=3)
+    assert -100.0 < low and high < 1000.0  # ten ticks, a hundred apart
 
 
 def test_a_constant_line_has_room_on_both_sides():

@@ -139,3 +139,9 @@ def test_sources_have_the_hash_of_the_whole_content():
     columns = {**changed.columns, "u": np.nextafter(changed["u"], 9.0)}
     assert content_hash(Trajectory(columns, changed.meta)) != content_hash(changed)
     assert content_hash(run(seed=4)) != content_hash(run())
+
+
+def test_manoeuvres_have_no_seed_in_their_names():
+    turn = {"config": {"manoeuvre": "turning_circle"}, "scenario": "turn", "seed": 0}
+    found = labels([run(**turn), run(seed=7, scenario="sea")])
+    assert not any("seed 0" in name for name in found), found

@@ -56,6 +56,24 @@ def test_each_cut_gives_the_chunks_before_it(tmp_path):
     assert read(path, data + bytes(500)) == 9  # a file that grew while the machine went down
 
 
+def test_zeros_where_a_block_was_not_written_are_a_cut(tmp_path):
+    """So a machine that goes down leaves a file that had grown already."""
+    path, ends = written(tmp_path)
+    data = path.read_bytes()
+    for length in range(ends[0], ends[1] - 16):  # the digest of the second chunk is 16 bytes long
+        assert read(path, data[:length] + bytes(len(data) - length)) == 3
+
+
+def test_a_journal_without_rows_does_not_stay(tmp_path, limited):
+    path, _ = written(tmp_path, 0)
+    assert not path.exists()
+    journal = Journal(path, NAMES, {})
+    with limited(path.stat().st_size + 10), pytest.raises(OSError, match=r"run\.rrd\.partial"):
+        journal.append(ROWS)
+    journal.close()
+    assert not path.exists()
+
+
 def test_no_changed_number_passes(tmp_path):
     path, _ = written(tmp_path)
     data = path.read_bytes()

@@ -221,3 +221,13 @@ def test_bare_recording_has_an_end_alone():
     trajectory = Trajectory({"t": [0.0, 1.0]}, {"ship": "kcs", "config": None})
     assert [mark.kind for mark in marks(trajectory)] == ["end"]
     assert worst_moment(trajectory) == 1.0
+
+
+def test_a_distance_to_a_route_has_a_side():
+    t = np.arange(10.0)
+    columns = {"t": t, "off_route": np.where(t == 4.0, -170.4, 12.25)}
+    error = task_error(Trajectory(columns, {}))
+    assert (error.text(4), error.text(0)) == ("170 m to port", "12.2 m to starboard")
+    assert "largest distance to the route 170 m to port" in [
+        mark.text for mark in marks(Trajectory(columns, {}))
+    ]

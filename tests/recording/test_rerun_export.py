@@ -15,6 +15,7 @@ rr = pytest.importorskip("rerun")
 chunk = pytest.importorskip("rerun.chunk")
 
 from ship_gym.recording import rerun_export  # noqa: E402 (needs rerun)
+from ship_gym.recording.rerun_export import compare  # noqa: E402
 
 pytestmark = pytest.mark.filterwarnings("error::rerun.error_utils.RerunWarning")
 
@@ -144,6 +145,28 @@ def test_several_recordings_in_one_process(tmp_path):
         assert len(reader(tmp_path / f"{k}.rrd").recordings()) == 1
     assert rr.get_global_data_recording() is None
     assert rr.get_thread_local_data_recording() is None
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/task"), reason="counts threads as Linux does")
+@pytest.mark.parametrize("kind", ["record", "picture", "comparison"])
+def test_recordings_leave_no_threads_behind(tmp_path, kind):
+    """Nor the memory of their streams: a training writes thousands."""
+
+    def write():
+        if kind == "comparison":
+            compare.write_comparison([steered_run(), steered_run(50)], tmp_path / "two.rrd")
+        else:
+            steered_run().to_rrd(tmp_path / "run.rrd", picture=kind == "picture")
+
+    def threads():
+        gc.collect()
+        return len(os.listdir("/proc/self/task"))
+
+    write()
+    before = threads()
+    for _ in range(4):
+        write()
+    assert threads() <= before
 
 
 def rewritten(run: Trajectory, folder):

@@ -109,14 +109,14 @@ def test_a_packed_blueprint_is_the_usual_one_in_fewer_messages(tmp_path):
     )  # fmt: skip
     parts = rrb.Tabs(view, rrb.TextDocumentView()), rrb.TimePanel(play_state="paused")
     sizes = []
-    for kind in (rrb.Blueprint, blueprint._Packed):
+    for kind in (rrb.Blueprint, blueprint.Packed):
         path = tmp_path / f"{kind.__name__}.rrd"
         stream = rr.RecordingStream("packed")
         stream.save(path)
         stream.send_blueprint(kind(*parts, collapse_panels=True))
         stream.disconnect()
         sizes.append(path.stat().st_size)
-    first, second = (layout(tmp_path / f"{name}.rrd") for name in ("Blueprint", "_Packed"))
+    first, second = (layout(tmp_path / f"{name}.rrd") for name in ("Blueprint", "Packed"))
     assert first == second
     assert sizes[1] < 0.9 * sizes[0]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 import signal
@@ -418,3 +419,47 @@ def test_runs_of_different_tasks_are_not_compared(cli, folder):
     code, out, err = cli("review", "compare", "runs/pid_1000001.rrd", "runs/turn.rrd")
     assert (code, out, err.count("\n")) == (2, "", 1) and "different task" in err
     assert not (folder / "compare.rrd").exists()
+
+
+def test_compare_never_writes_over_one_of_its_recordings(cli, folder):
+    names = ["runs/pid_1000001.rrd", "runs/constant_1000001.rrd"]
+    before = (folder / "constant_1000001.rrd").read_bytes()
+    code, out, err = cli(
+        "review", "compare", *names, "--out", f"../{folder.parent.name}/{names[1]}"
+    )
+    assert (code, out) == (2, "") and "is one of the recordings to compare" in err
+    assert (folder / "constant_1000001.rrd").read_bytes() == before
+
+
+def test_compare_says_how_runs_differ(cli, folder):
+    names = ["runs/pid_1000001.rrd", "runs/pid_1000002.rrd"]
+    code, out, err = cli("review", "compare", *names, "--out", "both.rrd")
+    assert code == 0 and out.startswith("The seeds differ, and with them sea"), err
+    found = json.loads(cli("review", "compare", *names, "--out", "both.rrd", "--json")[1])
+    assert found["notes"][0].startswith("The seeds differ")
+
+
+@pytest.mark.parametrize("arguments", [["--painter"], ["--at", "strip"]])
+def test_the_painter_needs_pillow(cli, folder, monkeypatch, arguments):
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    code, out, err = cli("review", "picture", "runs/pid_1000001.rrd", *arguments)
+    assert (code, out) == (2, "") and 'need PIL: pip install "ship-gym[render]"' in err
+
+
+def test_what_all_have_in_common_is_rounded(cli, sailed, tmp_path):
+    for name in ("a", "b"):
+        t = sailed[0]["t"] / 3.0
+        Trajectory({"t": t, "u": t}, {"kind": "episode"}).to_rrd(f"runs/{name}.rrd", picture=False)
+    assert "\nall: kind episode, duration 66.667 s\n" in cli("review", "list", "runs")[1]
+
+
+def test_metrics_as_csv_are_quoted_and_have_the_units_of_the_file(cli, sailed, tmp_path):
+    turn = Trajectory({"t": sailed[0]["t"]}, {
+        "kind": "manoeuvre", "config": {"manoeuvre": "turn"}, "task": "turn",
+        "metrics": {"steady_drift": 0.25}, "units": {"steady_drift": "rad"},
+    })  # fmt: skip
+    turn.to_rrd("a, b.rrd", picture=False)
+    code, out, err = cli("review", "metrics", "a, b.rrd", "--csv")
+    assert code == 0, err
+    rows = list(csv.reader(out.splitlines()))
+    assert rows[0] == ["metric", "unit", "a, b.rrd"] and rows[-1] == ["steady_drift", "rad", "0.25"]

@@ -21,7 +21,8 @@ _QUIET = 2.0  # seconds before a progress bar appears
 _EXTRAS = {
     "rerun": ("rerun", "recordings"),
     "matplotlib": ("plot", "pictures"),
-    "pyarrow": ("benchmark", "results of a benchmark"),
+    "pyarrow": ("benchmark", "tables as parquet"),
+    "PIL": ("render", "pictures by the painter"),
     "capytaine": ("bem", "wave tables"),
     "joblib": ("bem", "wave tables"),
     "av": ("video", "videos"),

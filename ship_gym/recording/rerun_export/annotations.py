@@ -10,7 +10,7 @@ import rerun.blueprint as rrb
 
 from ship_gym.recording.card import card_text
 from ship_gym.recording.marks import Mark, marks
-from ship_gym.recording.panels import Panel
+from ship_gym.recording.panel import Panel
 from ship_gym.recording.rerun_export.log import TIMELINE, Output, log, log_style
 from ship_gym.recording.trajectory import Trajectory
 

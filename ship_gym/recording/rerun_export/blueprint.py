@@ -6,7 +6,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ship_gym.recording.panels import STEERING, Panel
+from ship_gym.recording.panel import STEERING, Panel
 from ship_gym.recording.rerun_export.annotations import CARD, marks_view
 from ship_gym.recording.rerun_export.log import TIMELINE
 from ship_gym.recording.rerun_export.plots import plot_view
@@ -84,18 +84,20 @@ def blueprint(
     panels: list[Panel],
     t: np.ndarray,
     live: bool,
-) -> rrb.Blueprint:
+) -> Packed:
     """Pictures on the left; on the right the plots that are seen at once, the others in tabs."""
     pictures = rrb.Vertical(*views, row_shares=[3, 2][: len(views)])
     columns = [pictures]
     if panels:
         tabs = [
-            rrb.Vertical(*(plot_view(panel, t, axis, live) for panel in chosen), name=topic)
+            rrb.Vertical(
+                *(plot_view(panel, t, axis, live, len(chosen)) for panel in chosen), name=topic
+            )
             for topic, chosen in _tabs(panels)
         ]
         columns.append(rrb.Tabs(*tabs, active_tab=0) if len(tabs) > 1 else tabs[0])
     layout = rrb.Horizontal(*columns, column_shares=[1, 1][: len(columns)])
-    return _Packed(layout, clock, collapse_panels=True)
+    return Packed(layout, clock, collapse_panels=True)
 
 
 def _tabs(panels: list[Panel]) -> list[tuple[str, list[Panel]]]:
@@ -111,14 +113,24 @@ def _tabs(panels: list[Panel]) -> list[tuple[str, list[Panel]]]:
     return found
 
 
-class _Packed(rrb.Blueprint):
+class Packed(rrb.Blueprint):
     """A blueprint in fewer messages, which are most of its size: one for each entity.
 
     It overrides what rerun keeps private; the version of rerun is pinned, and a blueprint that is
     sent the usual way looks the same.
     """
 
+    def send(self, stream: rr.RecordingStream) -> None:
+        """Send it by a stream.
+
+        Rerun makes a stream of its own for it and never frees that, as it and its memory hold each
+        other: two threads and 2 MB for each recording.
+        """
+        stream.send_blueprint(self)
+        self._own.disconnect()
+
     def _log_to_stream(self, stream: rr.RecordingStream) -> None:
+        self._own = stream
         found = _Gathered()
         super()._log_to_stream(found)
         for (path, static), batches in found.batches.items():

@@ -17,15 +17,16 @@ from ship_gym.recording.axes import free_corner, y_range
 from ship_gym.recording.comparison import Run, common_times, panels, runs_of
 from ship_gym.recording.comparison_card import comparison_card, sources
 from ship_gym.recording.marks import marks
-from ship_gym.recording.panels import Panel
+from ship_gym.recording.panel import Panel
 from ship_gym.recording.rerun_export.annotations import CARD, MARKS
 from ship_gym.recording.rerun_export.blueprint import (
+    Packed,
     plan_view,
     scene_view,
     text_views,
     whole,
 )
-from ship_gym.recording.rerun_export.log import TIMELINE, Output, log, log_style
+from ship_gym.recording.rerun_export.log import TIMELINE, Output, log, log_style, new_stream
 from ship_gym.recording.rerun_export.picture import log_compass
 from ship_gym.recording.rerun_export.rows import changes, send_chosen, shown_rows, slow_rows
 from ship_gym.recording.rerun_export.rrd_file import COMPARISON, read_chunks
@@ -92,9 +93,7 @@ def _encoded(runs: Sequence[Run]) -> bytes:
     """The file: the head as rerun encodes it, then the picture, sealed."""
     listed = sources(runs)
     # A viewer shares layout and axes between recordings of one id, so these runs have their own.
-    stream = rr.RecordingStream("_".join(["ship_gym", *(one["content"][:8] for one in listed)]))
-    if not rr.is_enabled(stream):
-        raise OSError("rerun records nothing: the environment has RERUN=off")
+    stream = new_stream("_".join(["ship_gym", *(one["content"][:8] for one in listed)]))
     try:
         source = stream.binary_stream()
         out = Output(stream)
@@ -136,7 +135,7 @@ def _send_picture(out: Output, runs: Sequence[Run]) -> None:
     pictures = rrb.Vertical(*views, row_shares=[3, 2])
     layout = rrb.Horizontal(pictures, rrb.Tabs(*tabs, active_tab=0), column_shares=[1, 1])
     out.stream.send_recording_name(names)
-    out.stream.send_blueprint(rrb.Blueprint(layout, clock, collapse_panels=True))
+    Packed(layout, clock, collapse_panels=True).send(out.stream)
 
 
 def _length(runs: Sequence[Run]) -> float:

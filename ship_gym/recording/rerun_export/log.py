@@ -48,6 +48,24 @@ def application_id(name: str) -> str:
     return "ship_gym_" + re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")
 
 
+def new_stream(name: str) -> rr.RecordingStream:
+    """Open a stream with an application id; it goes nowhere yet.
+
+    What earlier ones have left is freed first. Rerun itself does that in ``rr.init`` only: each
+    stream would keep two threads and its memory for as long as the process lives.
+
+    Raises
+    ------
+    OSError
+        If rerun is switched off.
+    """
+    rr.bindings.flush_and_cleanup_orphaned_recordings()
+    stream = rr.RecordingStream(name)
+    if not rr.is_enabled(stream):
+        raise OSError("rerun records nothing: the environment has RERUN=off")
+    return stream
+
+
 def open_stream(name: str, sink: str | None) -> rr.RecordingStream:
     """Open a stream of a live view in a viewer.
 

@@ -56,7 +56,7 @@ def send_picture(out: Output, trajectory: Trajectory) -> None:
             send_about(out, trajectory)
         out.stream.send_recording_name(run_name(meta))
         times = latest() if live else whole(t)
-        out.stream.send_blueprint(blueprint(*times, views, panels, t, live))
+        blueprint(*times, views, panels, t, live).send(out.stream)
     out.sent = float(t[-1])
 
 

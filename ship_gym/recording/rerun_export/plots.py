@@ -12,7 +12,7 @@ import rerun.blueprint as rrb
 from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
 
 from ship_gym.recording.axes import USUAL, free_corner, y_range
-from ship_gym.recording.panels import COURSE, STEERING, Panel
+from ship_gym.recording.panel import COURSE, STEERING, Panel
 from ship_gym.recording.rerun_export.log import Output
 from ship_gym.recording.rerun_export.rows import send_chosen
 
@@ -68,8 +68,10 @@ def marked_line(panel: Panel) -> int | None:
     return next((labels.index(name) for name in ("true", "achieved") if name in labels), 0)
 
 
-def plot_view(panel: Panel, t: np.ndarray, axis: rr.TimeRange, live: bool) -> rrb.TimeSeriesView:
-    """View of one plot; the axes of a run that is over show all of it."""
+def plot_view(
+    panel: Panel, t: np.ndarray, axis: rr.TimeRange, live: bool, plots: int
+) -> rrb.TimeSeriesView:
+    """View of one of some plots above each other; the axes of a run that is over show all of it."""
     lines = rr.SeriesLines(
         names=[series.label for series in panel.series],
         colors=[series.color for series in panel.series],
@@ -81,7 +83,7 @@ def plot_view(panel: Panel, t: np.ndarray, axis: rr.TimeRange, live: bool) -> rr
         source_component=f"{_ARCHETYPE}:{panel.name}",
     )
     path = _entity(panel)
-    look = {} if live else _look(panel, t)
+    look = {} if live else _look(panel, t, plots)
     return rrb.TimeSeriesView(
         origin=f"/{path}",
         contents=[f"/{path}", f"/{panel.path}/**"],
@@ -92,11 +94,11 @@ def plot_view(panel: Panel, t: np.ndarray, axis: rr.TimeRange, live: bool) -> rr
     )
 
 
-def _look(panel: Panel, t: np.ndarray) -> dict:
+def _look(panel: Panel, t: np.ndarray, plots: int) -> dict:
     """Axis and legend of a run that is over, as far as they differ from what the viewer does."""
     limits = [series.values for series in panel.series if series.limit]
     moving = [series.values for series in panel.series if not series.limit]
-    ends = y_range(moving, limits, panel.robust)
+    ends = y_range(moving, limits, panel.robust, plots)
     entries = len({series.label for series in panel.series})
     corner = free_corner(t, moving, ends, entries)
     found = {"axis_y": rrb.ScalarAxis(range=ends)}

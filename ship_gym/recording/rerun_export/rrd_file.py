@@ -23,7 +23,7 @@ from rerun.error_utils import RerunWarning
 
 from ship_gym.provenance import DiskFull, atomic_path
 from ship_gym.recording.card import run_name
-from ship_gym.recording.rerun_export.log import TIMELINE, Output, application_id
+from ship_gym.recording.rerun_export.log import TIMELINE, Output, application_id, new_stream
 from ship_gym.recording.rerun_export.picture import send_picture
 from ship_gym.recording.sealed import DamagedRecording, seal, verify
 from ship_gym.recording.trajectory import Trajectory
@@ -71,9 +71,7 @@ def write_rrd(trajectory: Trajectory, path: str | os.PathLike, *, picture: bool 
 
 def _streams(trajectory: Trajectory, picture: bool) -> tuple[bytes, bytes]:
     """Record and picture as rerun encodes them."""
-    stream = rr.RecordingStream(application_id(run_name(trajectory.meta)))
-    if not rr.is_enabled(stream):
-        raise OSError("rerun records nothing: the environment has RERUN=off")
+    stream = new_stream(application_id(run_name(trajectory.meta)))
     try:
         source = stream.binary_stream()
         out = Output(stream)

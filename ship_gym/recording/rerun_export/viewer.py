@@ -12,6 +12,7 @@ from urllib.parse import quote
 
 from rerun.experimental import ViewerClient
 
+from ship_gym.config import check_number
 from ship_gym.provenance import atomic_path
 from ship_gym.recording.rerun_export.light import make_light
 from ship_gym.recording.rerun_export.log import TIMELINE
@@ -24,6 +25,8 @@ from ship_gym.recording.rerun_export.program import (
     free_ports,
     listens,
 )
+
+_ROUNDING = 1e-6  # of times [s], which a viewer has in whole nanoseconds
 
 
 class Served:
@@ -127,6 +130,8 @@ def screenshot(
 
     Raises
     ------
+    ConfigError
+        The time is outside the recording.
     NoViewer
         No graphics driver is found, or the viewer broke off.
     """
@@ -136,7 +141,8 @@ def screenshot(
             make_light(client, program.port)
         client.open(os.fspath(Path(path).absolute()))
         end = _loaded(client)
-        client.set_time(TIMELINE, duration=end if time is None else time, play_state="paused")
+        time = end if time is None else check_number("time", time, 0.0, end + _ROUNDING, "s")
+        client.set_time(TIMELINE, duration=time, play_state="paused")
         image = _settled(client)
     with atomic_path(out) as temporary:
         temporary.write_bytes(image)

@@ -20,7 +20,7 @@ _USUAL = "runs/compare.rrd"
 
 @verb(
     "runs/rollout-pid.rrd runs/rollout-lqg.rrd",
-    "runs/*.rrd --out runs/all.rrd --picture runs/all.png",
+    "runs/heading/*.rrd --out runs/all.rrd --picture runs/all.png",
 )
 @files()
 @out(".rrd", f"Recording with all of them; default: {_USUAL}.")
@@ -33,9 +33,8 @@ def command(as_json, files, out, task, picture, shown) -> None:
     Two or more FILEs of one seed; differences are against the first. The recording has them
     aligned in time, the differences plotted, the others as ghost ships.
     """
-    from ship_gym.config import ConfigError
-    from ship_gym.recording.comparison import labels
-    from ship_gym.recording.comparison_card import content_hash
+    from ship_gym.recording.comparison import labels, runs_of
+    from ship_gym.recording.comparison_card import content_hash, notes
     from ship_gym.recording.trajectory import import_rerun_export
     from ship_gym_agents.cli.output import need, place, progress, show
     from ship_gym_agents.cli.review.files import recorded
@@ -45,36 +44,50 @@ def command(as_json, files, out, task, picture, shown) -> None:
 
     need("rerun")
     import_rerun_export()
-    if len(files) < 2:
-        raise ConfigError(f"compare {files[0]}: needs two recordings or more")
     own_task(task)
     out = place(out, _USUAL)
+    _check_files(files, out)
     if shown:
-        check_screen([out])
+        check_screen(files, "--show: ")
     runs = [recorded(path) for path in progress(files, "reading")]
     values = [measured(run, path).metrics for run, path in zip(runs, files, strict=True)]
     names = labels(runs)
+    told = [*notes(runs_of(runs, names))]
     _write(runs, names, out, picture)
     written = [str(path) for path in (out, picture) if path]
     rows = zip(files, names, values, map(content_hash, runs), strict=True)
-    data = {"recordings": [_row(*row, values[0]) for row in rows], "files": written}
-    text = _text(runs, names, values, written, out)
-    if len({row["content"] for row in data["recordings"]}) == 1:
-        text = f"the content of all is the same, bit for bit\n\n{text}"
-    show(as_json, data, text)
+    compared = [_row(*row, values[0]) for row in rows]
+    if len({row["content"] for row in compared}) == 1:
+        told = ["the content of all is the same, bit for bit", *told]
+    text = "\n".join([*told, *([""] if told else []), _text(runs, names, values, written, out)])
+    show(as_json, {"recordings": compared, "notes": told, "files": written}, text)
     if shown:
         _open(out)
+
+
+def _check_files(files: Sequence[Path], out: Path) -> None:
+    """Refuse a single recording, and to write the comparison over one of them."""
+    from ship_gym.config import ConfigError
+
+    if len(files) < 2:
+        raise ConfigError(f"compare {files[0]}: needs two recordings or more")
+    if out.resolve() in [path.resolve() for path in files]:
+        raise ConfigError(f"--out {out}: is one of the recordings to compare; give another file")
 
 
 def _write(runs: Sequence[Trajectory], names: Sequence[str], out: Path, picture: Path | None):
     """The recording of all, and its picture at the worst moment of the first."""
     from ship_gym.recording.marks import worst_moment
     from ship_gym.recording.rerun_export.compare import write_comparison
-    from ship_gym.recording.rerun_export.viewer import screenshot
+    from ship_gym.recording.rerun_export.viewer import NoViewer, screenshot
 
     write_comparison(runs, out, names)
     if picture:
-        screenshot(out, picture, worst_moment(runs[0]) - float(runs[0]["t"][0]))
+        moment = worst_moment(runs[0]) - float(runs[0]["t"][0])
+        try:
+            screenshot(out, picture, moment)
+        except NoViewer as error:
+            raise NoViewer(f"--picture {picture}: {error}; {out} is written") from None
 
 
 def _open(out: Path) -> None:
@@ -107,7 +120,7 @@ def _text(runs, names: Sequence[str], values: list[dict], written: list[str], ou
     for name in names[1:]:
         header += [name, f"less {names[0]}"]
     rows = []
-    for key, unit in units_of(values).items():
+    for key, unit in units_of(values, [run.meta for run in runs]).items():
         cells = [_cell(values[0].get(key), "{:.5g}")]
         for found in values[1:]:
             difference = _less(found, values[0]).get(key)

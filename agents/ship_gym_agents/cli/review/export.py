@@ -118,4 +118,4 @@ FORMATS: dict[str, Callable[[Trajectory, Path], None]] = {
     "png": _png,
     "mp4": _mp4,
 }
-_NEEDED = {"parquet": ("pyarrow",), "png": ("matplotlib",), "mp4": ("av",)}
+_NEEDED = {"parquet": ("pyarrow",), "png": ("matplotlib",), "mp4": ("av", "PIL")}

@@ -195,7 +195,7 @@ def _text(
     good = [run for run in kept if not run.error]
     same, lines = _common(good), []
     if same:
-        lines.append(f"all: {', '.join(f'{name} {value}' for name, value in same.items())}")
+        lines.append(f"all: {', '.join(_said(name, value) for name, value in same.items())}")
     lines += ["", *_table(kept, same, _metrics_shown(good, named))]
     lines += ["", f"next: {following}"] if following else []
     return "\n".join([counts, *lines])
@@ -241,6 +241,11 @@ def _table(runs: Sequence[Run], same: dict[str, Any], metrics: Sequence[str]) ->
     lines = table(header, rows, 1 + len(left)).splitlines()
     notes = ["", *(run.error and f"  {run.error}" for run in runs)]
     return [line + note for line, note in zip(lines, notes, strict=True)]
+
+
+def _said(name: str, value: Any) -> str:
+    """A column and its value."""
+    return f"{name} {_cell(value)} {_unit(name)}".rstrip()
 
 
 def _unit(name: str) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -94,7 +96,9 @@ def _text(found: Mapping[str, _Found], as_csv: bool) -> str:
 
     rows = _rows(found, repr if as_csv else "{:.5g}".format)
     if as_csv:
-        return "\n".join(map(",".join, rows))
+        stream = io.StringIO()
+        csv.writer(stream, lineterminator="\n").writerows(rows)
+        return stream.getvalue().rstrip("\n")
     return table(rows[0], rows[1:], None)
 
 
@@ -105,7 +109,7 @@ def _rows(found: Mapping[str, _Found], form) -> list[list[str]]:
     rows += [[key, "", *(str(one.meta.get(key, "-")) for one in every)] for key in _KEPT]
     rows.append(["ship", "", *(str((one.meta.get("ship") or {}).get("name")) for one in every)])
     rows.append(["source", "", *(one.source for one in every)])
-    units = units_of([one.metrics for one in every])
+    units = units_of([one.metrics for one in every], [one.meta for one in every])
     for name, unit in units.items():
         values = [one.metrics.get(name) for one in every]
         if any(value is not None for value in values):
@@ -113,12 +117,16 @@ def _rows(found: Mapping[str, _Found], form) -> list[list[str]]:
     return rows
 
 
-def units_of(found: Sequence[Mapping[str, float | None]]) -> dict[str, str]:
+def units_of(
+    found: Sequence[Mapping[str, float | None]], metas: Sequence[Mapping]
+) -> dict[str, str]:
     """Units of all metrics that occur, in the order of a table; "" where none is known."""
     from ship_gym.tasks.metrics import all_metrics
 
-    known = all_metrics()
+    known = {name: metric.unit for name, metric in all_metrics().items()}
+    for meta in metas:
+        known |= {k: unit for k, unit in (meta.get("units") or {}).items() if k not in known}
     names = dict.fromkeys(name for one in found for name in one)
     ordered = [name for name in known if name in names]
     ordered += [name for name in names if name not in known]
-    return {name: known[name].unit if name in known else "" for name in ordered}
+    return {name: known.get(name, "") for name in ordered}

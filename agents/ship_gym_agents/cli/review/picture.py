@@ -37,6 +37,7 @@ def command(as_json, file, at, out, light, size, painter) -> None:
 
     need("rerun")
     _check_together(at, light, painter)
+    need(*(["PIL"] if painter or at == STRIP else []))
     out = place(out, file.with_name(f"{file.name.partition('.rrd')[0]}.png"))
     run = viewable(file)
     moment, by, reason = None, "painter", ""
@@ -80,6 +81,7 @@ def _of_comparison(file: Path, at, painter: bool) -> tuple[float | None, str]:
 def _shoot(file, run: Trajectory | None, out: Path, moment, size, light) -> tuple[str, str]:
     """Draw by rerun's viewer; who is to draw then, and why it is the painter."""
     from ship_gym.recording.rerun_export.viewer import NoViewer, screenshot
+    from ship_gym_agents.cli.output import need
     from ship_gym_agents.cli.review.files import drawn
 
     with drawn([file], [run]) as (path,):
@@ -88,6 +90,7 @@ def _shoot(file, run: Trajectory | None, out: Path, moment, size, light) -> tupl
         except NoViewer as error:
             if light or run is None:
                 raise
+            need("PIL")
             return "painter", str(error)
     return "rerun", ""
 

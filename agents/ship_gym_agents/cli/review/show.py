@@ -55,15 +55,15 @@ def _ended_by_signals() -> Iterator[None]:
             signal.signal(one, handler)
 
 
-def check_screen(files: Sequence[Path]) -> None:
-    """Refuse a window where there is no screen, and say what else there is."""
+def check_screen(files: Sequence[Path], option: str = "") -> None:
+    """Refuse a window where there is no screen, and say what else there is for files."""
     from ship_gym.config import ConfigError
     from ship_gym.recording.rerun_export.viewer import has_screen
     from ship_gym_agents.cli.review.files import next_review
 
     if not has_screen():
         raise ConfigError(
-            "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set); for a browser: "
+            f"{option}no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set); for a browser: "
             f"{next_review('show', '--web', *files)}; for a picture: "
             f"{next_review('picture', files[0])}"
         )
