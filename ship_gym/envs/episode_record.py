@@ -55,6 +55,7 @@ class Setting:
             "kind": "episode",
             "task": task.name,
             "scenario": scenario.source,
+            **self._own_task(),
             "overrides": scenario.overrides(),
             "config": scenario.to_dict(),
             "ship": ship_meta(self.ship),
@@ -64,6 +65,11 @@ class Setting:
             "actions": list(self.done),
             **plots_meta(task.plots),
         }
+
+    def _own_task(self) -> dict[str, str]:
+        """The file of a task from outside the package, "" if it was registered by other means."""
+        name = self.task.name
+        return {"task_file": TASKS.files.get(name, "")} if name in TASKS.outside() else {}
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -73,6 +73,7 @@ def load_task(name_or_file: str | os.PathLike) -> Task:
         task = here[check_known(f"Task in {path}", wanted, here)]
         if TASKS.outside().get(task.name) is not task:
             register_task(task)
+        TASKS.files[task.name] = str(name_or_file)
         return task
     known = [task for task in here.values() if TASKS.outside().get(task.name) is task]
     if len(known) != 1:
@@ -80,6 +81,7 @@ def load_task(name_or_file: str | os.PathLike) -> Task:
             f"{path}: registers {len(known)} tasks ({', '.join(t.name for t in known)}); one is "
             f"needed, or {path}:NAME with the name of a Task in it"
         )
+    TASKS.files[known[0].name] = str(name_or_file)
     return known[0]
 
 

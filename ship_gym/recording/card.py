@@ -96,10 +96,18 @@ def facts(trajectory: Trajectory) -> Iterator[list[str]]:
 
 
 def metric_rows(meta: Mapping) -> Iterator[list[str]]:
-    """Rows of name, value and unit of the metrics in a meta."""
+    """Rows of name, value and unit of the metrics in a meta; angles in degrees."""
     units = section(meta, "units")
     for name, value in stored_metrics(meta).items():
-        yield [name, number(value), str(units.get(name, ""))]
+        value, unit = in_degrees(value, str(units.get(name, "")))
+        yield [name, number(value), unit]
+
+
+def in_degrees(value: float | None, unit: str) -> tuple[float | None, str]:
+    """A value and its unit; degrees for radians."""
+    if unit != "rad":
+        return value, unit
+    return None if value is None else math.degrees(value), "deg"
 
 
 def number(value: Any) -> str:
@@ -212,7 +220,12 @@ def again(meta: Mapping) -> str:
         return ""
     overrides = section(meta, "overrides")
     changed = [*_flat({k: v for k, v in overrides.items() if k not in ("ship", "control")})]
-    words = ["ship-gym", "record", "--controller", steered, "--scenario", str(meta["scenario"])]
+    if meta.get("task_file") == "":
+        return ""
+    words = ["ship-gym", "record", "--controller", steered]
+    words += ["--task", str(meta["task_file"])] if "task_file" in meta else []
+    if "task_file" not in meta or meta["scenario"] != meta.get("task"):
+        words += ["--scenario", str(meta["scenario"])]
     words += ["--ship", str(config["ship"]), "--control", str(config["control"])]
     words += ["--seed", str(meta["seed"]), *(["--set", *changed] if changed else [])]
     return shlex.join(words)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ship_gym.recording.card import facts, number
+from ship_gym.recording.card import facts, in_degrees, number
 from ship_gym.recording.comparison import Run
 from ship_gym.recording.library import stored_metrics
 from ship_gym.recording.surroundings import section
@@ -92,10 +92,11 @@ def _metrics(runs: Sequence[Run]) -> Iterator[list[str]]:
     values = [stored_metrics(run.trajectory.meta) for run in runs]
     units = section(runs[0].trajectory.meta, "units")
     for name in dict.fromkeys(key for one in values for key in one):
-        first = values[0].get(name)
-        row = [name, str(units.get(name, "")), number(first)]
+        kept = str(units.get(name, ""))
+        first, unit = in_degrees(values[0].get(name), kept)
+        row = [name, unit, number(first)]
         for one in values[1:]:
-            value = one.get(name)
+            value, _ = in_degrees(one.get(name), kept)
             less = "-" if value is None or first is None else f"{value - first:+.3g}"
             row += [number(value), less]
         yield row

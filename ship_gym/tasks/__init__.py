@@ -21,6 +21,7 @@ class _Tasks(Mapping):
         # name -> module of a package's task, or the task itself
         self._known: dict[str, str | Task] = {}
         self.versions: dict[str, int] = {}
+        self.files: dict[str, str] = {}  # of tasks outside the package, as `load_task` took them
         for found in pkgutil.iter_modules(__path__):
             if found.ispkg:
                 folder = importlib.import_module(f"{__name__}.{found.name}")  # two constants

@@ -223,3 +223,13 @@ def test_gymnasium_imports_the_module_of_an_id():
         [sys.executable, "-c", code], cwd=FILE.parent, capture_output=True, text=True, check=True
     )
     assert run.stdout.strip() == "(10,)"
+
+
+def test_its_recordings_name_its_file(task):
+    load_task(FILE)
+    (run,) = rollout(Turner(), task.name, seeds=[3], overrides={"duration": 20.0}).episodes
+    assert run.meta["task_file"] == str(FILE)
+    (other,) = rollout(
+        ConstantController(), "heading_keeping", seeds=[3], overrides={"duration": 20.0}
+    ).episodes
+    assert "task_file" not in other.meta

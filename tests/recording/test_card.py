@@ -109,6 +109,19 @@ def test_program_of_one_s_own_has_no_command():
     assert again(META | {"policy": {"file": "mine.py", "sha256": "ab"}}) == ""
 
 
+def test_a_task_of_one_s_own_is_called_by_its_file():
+    own = META | {"task": "hold", "scenario": "hold", "task_file": "my tasks/hold.py:HOLD"}
+    words = shlex.split(again(own))
+    assert words[4:6] == ["--task", "my tasks/hold.py:HOLD"] and "--scenario" not in words
+    assert "--scenario rough.toml" in again(own | {"scenario": "rough.toml"})
+    assert again(own | {"task_file": ""}) == ""  # registered in Python, which no command can
+
+
+def test_angles_among_metrics_are_in_degrees():
+    meta = {"metrics": {"drift": math.pi / 4.0, "turn": None}, "units": {"drift": "rad"}}
+    assert [*metric_rows(meta)] == [["drift", "45", "deg"], ["turn", "-", ""]]
+
+
 def test_given_command_comes_first():
     assert again(META | {"command": "ship-gym record --seed 1"}) == "ship-gym record --seed 1"
 

@@ -80,6 +80,15 @@ def test_the_worst_of_many_are_those_of_the_batch(recorded):
         assert Path(one["file"]) == Path("w") / f"pid-{one['seed']}.rrd"
 
 
+def test_too_short_episodes_are_chosen_by_the_return(recorded, cli):
+    (one,) = recorded("--worst", 1, "--seeds", 3, "--out", "w.rrd")
+    every = recorded("--seeds", 3, "--out", "all")
+    assert one["metrics"]["J_steady"] is None and one["by"] == "return"
+    assert one["seed"] == min(every, key=lambda each: each["metrics"]["return"])["seed"]
+    code, out, err = cli("record", "--worst", 1, "--seeds", 3, "--out", "w.rrd", *SHORT)
+    assert code == 0 and "by return" in out and "worst" in out, err
+
+
 def test_failed_ones_are_the_worst(cli):
     pytest.importorskip("rerun")
     given = ("--controller", "constant", "--worst", 1, "--by", "rudder_travel", "--seeds", 6)

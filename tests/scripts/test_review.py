@@ -111,6 +111,7 @@ def test_completion_knows_the_verbs(monkeypatch, capsys, words, expected):
         (["list", "runs", "--worst", "1", "--sort", "J_1"], ["--sort: --worst sorts by itself"]),
         (["list", "runs", "--worst", "0"], ["--worst = 0: allowed is 1 to"]),
         (["show", "nowhere.rrd", "--web"], ["nowhere.rrd"]),
+        (["show", "a.rrd", "b.rrd", "--at", "5"], ["--at 5: is of one FILE; there are 2"]),
         (["picture", "a.rrd", "--at", "best"], ["--at best: allowed are worst, strip, or a time"]),
         (["picture", "a.rrd", "--size", "big"], ["--size big: must be WIDTHxHEIGHT"]),
         (["picture", "a.rrd", "--size", "10x10"], ["each 320 to 7680"]),
@@ -293,6 +294,8 @@ def test_show_web_prints_an_address_of_this_machine(cli, folder, monkeypatch):
     code, out, err = cli("review", "show", "--web", "runs/pid_1000001.rrd", "--json")
     assert (code, err) == (0, "") and Served.ended
     assert json.loads(out)["address"] == Served.address
+    code, out, err = cli("review", "show", "--web", "runs/pid_1000001.rrd", "--at", "7.5")
+    assert "next: open the address in a browser; move its time to 7.5 s\n" in out
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
@@ -405,6 +408,7 @@ def test_compare_puts_runs_side_by_side(cli, folder, sailed, monkeypatch):
     monkeypatch.setattr(viewer, "show", lambda *paths, moment=None: seen.append((paths, moment)))
     assert cli("review", "show", "runs/both.rrd")[0] == 0
     assert [(str(path), moment) for (path,), moment in seen] == [("runs/both.rrd", None)]
+    assert cli("review", "show", "runs/both.rrd", "--at", "30")[0] == 0 and seen.pop()[1] == 30.0
     assert cli("review", "picture", "runs/both.rrd", "--at", "30")[0] == 0
     assert (shots[-1][1].name, shots[-1][2]) == ("both.png", 30.0)
     assert "is a comparison" in cli("review", "picture", "runs/both.rrd", "--painter")[2]

@@ -70,7 +70,7 @@ def command(
     following = _again(named, sailed, found["extremes"]["of"], policies, task, options)
     if record is not None:
         files = shown.recorded(rollouts, found["episodes"], which or ("worst",), record)
-        wrote.append(f"{len(files)} recordings in {record}")
+        wrote.append(f"{len(files)} recording{'s' * (len(files) != 1)} in {record}")
         data["recordings"] = [str(file) for file in files]
         if files:
             following = next_review("list", record, *(["--task", task] if task else []))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import click
@@ -108,11 +108,11 @@ def _record(
     if not pick.most:
         found = [one for each in controllers for one in _all(each, plan)]
         return found, [{} for _ in found]
-    by, metric = pick.metric(sailed_task)
-    kept = [one for each in controllers for one in _some(each, plan, by, metric.better)]
+    by, metrics = pick.metric(sailed_task)
+    kept = [one for each in controllers for one in _some(each, plan, by, metrics)]
     if not kept:
         raise ConfigError(f"--by {by}: none of the {len(seeds)} episodes has a value of it")
-    return [one for one, _ in kept], [{"which": which, "by": by} for _, which in kept]
+    return [one for one, _ in kept], [why for _, why in kept]
 
 
 def _all(controller: Any, plan: _Plan) -> list:
@@ -128,19 +128,28 @@ def _all(controller: Any, plan: _Plan) -> list:
         raise KeyboardInterrupt(f"interrupted{where}") from None
 
 
-def _some(controller: Any, plan: _Plan, by: str, better: str) -> list[tuple[Any, str]]:
-    """Sail all in one batch, keep some: recordings and what each of them is."""
+def _some(
+    controller: Any, plan: _Plan, by: str, metrics: Mapping[str, Any]
+) -> list[tuple[Any, dict]]:
+    """Sail all in one batch, keep some: recordings, what each of them is and by which metric.
+
+    Where no episode has a value of the headline, since all are too short, the return decides.
+    """
     from ship_gym.evaluation import rollout
+    from ship_gym.evaluation.choice import deciding
     from ship_gym.evaluation.comparison import per_episode
     from ship_gym.evaluation.recordings import keep
     from ship_gym_agents.cli.output import progress
 
     sailed = rollout(controller, seeds=plan.seeds, progress=_bar(controller), **plan.env)
-    chosen = plan.pick.chosen(per_episode(sailed)[by], better, sailed.failed.tolist())
-    return [
-        (keep(sailed.trajectory(i), plan.places.of(controller.name, plan.seeds[i])), which)
-        for i, which in progress(chosen.items(), "writing")
-    ]
+    values = per_episode(sailed)
+    by = by if plan.pick.by else deciding(by, values)
+    chosen = plan.pick.chosen(values[by], metrics[by].better, sailed.failed.tolist())
+    found = []
+    for i, which in progress(chosen.items(), "writing"):
+        file = plan.places.of(controller.name, plan.seeds[i])
+        found.append((keep(sailed.trajectory(i), file), {"which": which, "by": by}))
+    return found
 
 
 def _bar(controller: Any) -> Any:

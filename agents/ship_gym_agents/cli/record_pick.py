@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import click
@@ -51,8 +51,8 @@ class Pick(NamedTuple):
             return seeds
         return evaluation_seeds(of or (OF if self.most else 1))
 
-    def metric(self, task: str) -> tuple[str, Any]:
-        """Name of the metric that decides, and what it is.
+    def metric(self, task: str) -> tuple[str, Mapping[str, Any]]:
+        """Name of the metric that decides, and all metrics of the task.
 
         Raises
         ------
@@ -65,7 +65,7 @@ class Pick(NamedTuple):
 
         known = metrics_of(task)
         name = check_known("metric", self.by or TASKS[task].headline, known)
-        return name, known[name]
+        return name, known
 
     def chosen(
         self, values: Sequence[float | None], better: str, failed: Sequence[bool]

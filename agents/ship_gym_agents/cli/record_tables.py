@@ -17,10 +17,10 @@ def tables(found: Sequence[Any], why: Sequence[Mapping[str, str]]) -> str:
     why : sequence of mapping
         Of those that were chosen ``which`` they are and ``by`` what, else nothing.
     """
-    return _side_by_side(found) if len(found) <= _FEW else _rows(found, why)
+    return _side_by_side(found, why) if len(found) <= _FEW else _rows(found, why)
 
 
-def _side_by_side(found: Sequence[Any]) -> str:
+def _side_by_side(found: Sequence[Any], why: Sequence[Mapping[str, str]]) -> str:
     from ship_gym.evaluation import all_metrics
     from ship_gym.text import table
 
@@ -28,6 +28,8 @@ def _side_by_side(found: Sequence[Any]) -> str:
         ["seed", "", *(str(one.seed) for one in found)],
         ["outcome", "", *(one.outcome for one in found)],
     ]
+    if why[0]:
+        rows.append([f"by {why[0]['by']}", "", *(one["which"] for one in why)])
     known = all_metrics()
     for name in found[0].metrics:
         rows.append([name, known[name].unit, *(_number(one.metrics[name]) for one in found)])

@@ -76,8 +76,8 @@ def show(*paths: str | os.PathLike, moment: float | None = None) -> None:
         raise NoViewer("no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set")
     with _running([*map(os.fspath, paths)]) as (program, client):
         if moment is not None:
-            _loaded(client)
-            client.set_time(TIMELINE, duration=float(moment), play_state="paused")
+            moment = check_number("time", moment, 0.0, _loaded(client) + _ROUNDING, "s")
+            client.set_time(TIMELINE, duration=moment, play_state="paused")
         program.wait()
 
 

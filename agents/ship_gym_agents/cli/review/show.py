@@ -7,6 +7,7 @@ import signal
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,11 +15,19 @@ from ship_gym_agents.cli.options import verb
 from ship_gym_agents.cli.review.files import files
 from ship_gym_agents.cli.review.moments import WORST, At
 
+if TYPE_CHECKING:
+    from ship_gym.recording import Trajectory
+
 
 @verb("runs/rollout.rrd", "runs/pid.rrd runs/lqg.rrd --web")
 @files()
 @click.option("--web", is_flag=True, help="In a browser; served to this machine only.")
-@click.option("--at", type=At(WORST), default=WORST, help="Of one FILE: the time shown first [s].")
+@click.option(
+    "--at",
+    type=At(WORST),
+    default=WORST,
+    help="Of one FILE: the time shown first [s]; of a browser only told.",
+)
 def command(as_json, files, web, at) -> None:
     """Show recordings in rerun's viewer, in a window or in a browser.
 
@@ -28,19 +37,39 @@ def command(as_json, files, web, at) -> None:
     from ship_gym.recording.trajectory import import_rerun_export
     from ship_gym_agents.cli.output import need, progress
     from ship_gym_agents.cli.review.files import drawn, viewable
-    from ship_gym_agents.cli.review.moments import time_of
 
     need("rerun")
     import_rerun_export()
+    _check_one(files, at)
     if not web:
         check_screen(files)
     runs = [viewable(path) for path in progress(files, "reading")]
-    moment = time_of(runs[0], at) if len(runs) == 1 and runs[0] is not None else None
+    moment, where = _moment(runs, at)
     with drawn(files, runs) as paths, contextlib.suppress(KeyboardInterrupt), _ended_by_signals():
         if web:
-            _serve(as_json, files, paths)
+            _serve(as_json, files, paths, moment, where)
         else:
-            _open(as_json, files, paths, runs, moment)
+            _open(as_json, files, paths, moment, where)
+
+
+def _check_one(files: Sequence[Path], at: str | float) -> None:
+    """Refuse a time of several files."""
+    from ship_gym.config import ConfigError
+
+    if len(files) > 1 and at != WORST:
+        raise ConfigError(f"--at {at:g}: is of one FILE; there are {len(files)}")
+
+
+def _moment(runs: Sequence[Trajectory | None], at: str | float) -> tuple[float | None, str]:
+    """The time to show [s], also in words; none of several, of a comparison only a given one."""
+    from ship_gym_agents.cli.review.moments import said, time_of
+
+    if len(runs) > 1 or (runs[0] is None and at == WORST):
+        return None, ""
+    if runs[0] is None:
+        return at, f"{at:.6g} s"
+    moment = time_of(runs[0], at)
+    return moment, said(runs[0], moment)
 
 
 @contextlib.contextmanager
@@ -69,20 +98,19 @@ def check_screen(files: Sequence[Path], option: str = "") -> None:
         )
 
 
-def _open(as_json, files, paths, runs, moment) -> None:
+def _open(as_json, files, paths, moment, where) -> None:
     from ship_gym.recording.rerun_export.viewer import show as open_window
     from ship_gym_agents.cli.output import show
-    from ship_gym_agents.cli.review.moments import said
 
     names = ", ".join(map(str, files))
-    text = f"{names} in rerun's viewer" + ("" if moment is None else f" at {said(runs[0], moment)}")
+    text = f"{names} in rerun's viewer" + (f" at {where}" if where else "")
     data = {"files": [str(path) for path in files], "time": moment}
     show(as_json, data, f"{text}\nnext: close its window, or press Ctrl+C here")
     sys.stdout.flush()
     open_window(*paths, moment=moment)
 
 
-def _serve(as_json, files, paths) -> None:
+def _serve(as_json, files, paths, moment, where) -> None:
     import webbrowser
 
     from ship_gym.recording.rerun_export.viewer import has_screen, serve_web
@@ -93,7 +121,8 @@ def _serve(as_json, files, paths) -> None:
         opened = has_screen() and webbrowser.open(served.address)
         text = f"{', '.join(map(str, files))} at {served.address}, for this machine only"
         following = "press Ctrl+C here when done" if opened else "open the address in a browser"
-        data = {"files": [str(path) for path in files], "address": served.address}
+        following += f"; move its time to {where}" if where else ""
+        data = {"files": [str(path) for path in files], "address": served.address, "time": moment}
         show(as_json, data, f"{text}\nnext: {following}")
         sys.stdout.flush()
         served.wait()
