@@ -338,6 +338,9 @@ class Run:
         columns = history_columns(*parts)
         columns["current_speed"] = np.full(self.rows, self.sea.current_speed)
         columns["current_direction_to"] = np.full(self.rows, self.sea.current_direction_to)
+        if self.sea.wind_speed > 0.0:
+            columns["wind_speed"] = np.full(self.rows, self.sea.wind_speed)
+            columns["wind_direction_from"] = np.full(self.rows, self.sea.wind_direction_from)
         return columns
 
     def trajectory(self, columns: dict[str, np.ndarray], config: dict[str, Any]) -> Trajectory:

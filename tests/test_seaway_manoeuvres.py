@@ -183,6 +183,7 @@ def test_irregular_sea_and_wave_in_a_current():
     ship = load_ship("kcs_model")
     case = sail(ship, sea="ss5")
     assert np.abs(case.result.trajectory["X_wind"]).max() > 0.0
+    assert case.result.trajectory["wind_speed"][0] > 0.0  # so that pictures show it
     assert set(report.wave_share(case)) == {"to_90_deg"}
     water, label = sea_of(ship, "current", 0.05, 1.0)
     assert water.current_speed > 0.0

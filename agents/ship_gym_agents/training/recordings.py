@@ -44,8 +44,10 @@ class Recordings:
         """
         if worst is None:
             return
+        # its weights are not kept: no command sails it again
+        meta = worst.meta | {"validation": number, "command": ""}
         try:
-            worst.to_rrd(self.folder / f"validation_{number:04d}.rrd")
+            Trajectory(worst.columns, meta).to_rrd(self.folder / f"validation_{number:04d}.rrd")
         except (ImportError, OSError) as error:
             self._every = 0
             warnings.warn(f"training goes on without recordings: {error}", stacklevel=2)

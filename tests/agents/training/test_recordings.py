@@ -14,6 +14,7 @@ from ship_gym.config import ConfigError
 from ship_gym.evaluation import metrics
 from ship_gym.evaluation.splits import VALIDATION_SEED
 from ship_gym.recording import Trajectory, trajectory
+from ship_gym.recording.card import again
 from ship_gym.scenarios import load_scenario
 
 pytest.importorskip("rerun")
@@ -99,6 +100,15 @@ def test_few_are_kept_and_only_those_are_removed(tmp_path, monkeypatch):
     kept.keep(99, None)
     kept.clear()
     assert [file.name for file in (tmp_path / FOLDER).iterdir()] == ["mine.rrd"]
+
+
+def test_no_command_is_told_that_would_need_weights_that_are_gone(tmp_path):
+    config = {"task": "heading_keeping", "ship": "kcs", "control": "rudder"}
+    about = {"scenario": "heading_keeping", "controller": "ppo-run", "seed": 1, "config": config}
+    Recordings(tmp_path, 1).keep(4, Trajectory(short_run().columns, about))
+    kept = Trajectory.from_rrd(tmp_path / FOLDER / "validation_0004.rrd")
+    assert kept.meta["validation"] == 4 and again(kept.meta) == ""
+    assert again(about) != ""  # without that there would be one
 
 
 def test_how_often_is_checked(tiny):
