@@ -21,6 +21,7 @@ from ship_gym.conventions import KNOT, G, N
 from ship_gym.evaluation import rollout
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.plotting.seaway import plot_turning_in_waves
+from ship_gym.provenance import check_place
 from ship_gym.recording import Trajectory
 from ship_gym.reports.case import Case, sail_trial
 from ship_gym.reports.manoeuvre import wave_share
@@ -185,6 +186,7 @@ HEADING_HEADER = [
 ]
 
 if __name__ == "__main__":
+    check_place(DOCS, "docs", folder=True)
     cases = [white.circle(name, side) for name in white.CIRCLES for side in (1, -1)]
     for case in cases[::2]:
         plot_turning_in_waves(case, DOCS / f"seaway_{case.ship.name}.png")

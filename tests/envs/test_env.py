@@ -220,7 +220,7 @@ def test_two_resets_in_a_row_show_the_second_episode(tmp_path, monkeypatch):
         def __init__(self, ship, title, plots=()):
             self.open = False
 
-        def show(self, row, track):
+        def show(self, row, track, sea=None):
             if not self.open:
                 shown.append(track[-1].tolist())
             self.open = True
