@@ -21,7 +21,8 @@ _OUT = "runs/heading"
     "--resume --out runs/kvlcc2 --minutes 20      # 20 minutes in all",
     notes="What is killed goes on with --resume; what was learned since the last checkpoint, a "
     "minute\nat most, is lost. Validations and files are not charged to --minutes.\n"
-    "The worst episode of every tenth validation is recorded in OUT/episodes; --set training.record=0: none.",
+    "The worst episode of every tenth validation is recorded in OUT/episodes; "
+    "--set training.record=0: none.",
 )
 @environment("the recipe's, else heading_keeping, kcs, rudder")
 @click.option("--privileged", is_flag=True, default=None, help="See sea and forces.")
