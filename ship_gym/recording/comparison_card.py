@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ship_gym.recording.card import facts, in_degrees, number
+from ship_gym.recording.card import facts, in_degrees, number, scenario_name
 from ship_gym.recording.comparison import Run
 from ship_gym.recording.library import stored_metrics
 from ship_gym.recording.surroundings import section
+from ship_gym.recording.turns import is_manoeuvre
 from ship_gym.text import table
 
 if TYPE_CHECKING:
@@ -57,11 +58,28 @@ def _leaves(values: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, 
             yield f"{before}{name}", value
 
 
+def title(runs: Sequence[Run]) -> str:
+    """Scenario, ship and seed, where all have the same, and the runs."""
+    metas = [run.trajectory.meta for run in runs]
+    told = [
+        [scenario_name(meta) for meta in metas],
+        [section(meta, "ship").get("name") for meta in metas],
+        [None if is_manoeuvre(run.trajectory) else meta.get("seed")
+         for run, meta in zip(runs, metas, strict=True)],
+    ]  # fmt: skip
+    same = [one[0] if len(set(one)) == 1 else None for one in told]
+    if same[2] is not None:
+        same[2] = f"seed {same[2]}"
+    names = " against ".join(run.name for run in runs)
+    about = ", ".join(str(one) for one in same if one is not None)
+    return f"{about}: {names}" if about else names
+
+
 def comparison_card(runs: Sequence[Run]) -> str:
     """Markdown card: what differs, the metrics side by side with differences, and the rest."""
     names = [run.name for run in runs]
     same, different = _facts(runs)
-    parts = [f"# {' against '.join(names)}", "\n".join(f"- {note}" for note in notes(runs))]
+    parts = [f"# {title(runs)}", "\n".join(f"- {note}" for note in notes(runs))]
     if different:
         parts.append(table(["", *names], different, markdown=True))
     if rows := [*_metrics(runs)]:

@@ -18,7 +18,7 @@ from ship_gym.recording.comparison import (
     quantities,
     runs_of,
 )
-from ship_gym.recording.comparison_card import comparison_card, content_hash, notes, sources
+from ship_gym.recording.comparison_card import comparison_card, content_hash, notes, sources, title
 from tests.recording.runs import SHIP, run
 
 
@@ -121,7 +121,7 @@ def test_notes_say_what_else_differs():
 
 def test_card_has_both_columns_of_metrics_and_their_difference():
     text = comparison_card(runs_of([run(), run("lqg", outcome="heading limit")]))
-    assert text.startswith("# pid against lqg\n")
+    assert text.splitlines()[0].endswith(": pid against lqg")
     assert "| Metric | Unit | pid | lqg | less pid |" in text
     assert "| J_1 | deg2 | 4 | 6 | +2 |" in text
     assert "| settling_time |  | - | - | - |" in text
@@ -145,3 +145,9 @@ def test_manoeuvres_have_no_seed_in_their_names():
     turn = {"config": {"manoeuvre": "turning_circle"}, "scenario": "turn", "seed": 0}
     found = labels([run(**turn), run(seed=7, scenario="sea")])
     assert not any("seed 0" in name for name in found), found
+
+
+def test_title_says_what_all_share():
+    assert title(runs_of([run(), run("lqg")])) == "heading_keeping, kcs, seed 3: pid against lqg"
+    found = title(runs_of([run(), run(seed=4)]))
+    assert found == "heading_keeping, kcs: seed 3 against seed 4"

@@ -15,7 +15,7 @@ from ship_gym.provenance import atomic_path
 from ship_gym.recording import hull_shape, plan, scene
 from ship_gym.recording.axes import free_corner, y_range
 from ship_gym.recording.comparison import Run, common_times, panels, runs_of
-from ship_gym.recording.comparison_card import comparison_card, sources
+from ship_gym.recording.comparison_card import comparison_card, sources, title
 from ship_gym.recording.marks import marks
 from ship_gym.recording.panel import Panel
 from ship_gym.recording.rerun_export.annotations import CARD, MARKS
@@ -122,8 +122,7 @@ def _send_picture(out: Output, runs: Sequence[Run]) -> None:
         _log_lines(out, panel, times)
     log(out, CARD, rr.TextDocument(comparison_card(runs), media_type="text/markdown"))
     _send_marks(out, runs)
-    names = " against ".join(run.name for run in runs)
-    views = [scene_view(runs[0].trajectory.columns, 1.15 * length, 0, names)]
+    views = [scene_view(runs[0].trajectory.columns, 1.15 * length, 0, title(runs))]
     views.append(rrb.Tabs(plan_view(low, high), *text_views(), active_tab=0))
     axis, clock = whole(max((run.t for run in runs), key=lambda t: t[-1]))
     tabs = [
@@ -134,7 +133,7 @@ def _send_picture(out: Output, runs: Sequence[Run]) -> None:
     ]
     pictures = rrb.Vertical(*views, row_shares=[3, 2])
     layout = rrb.Horizontal(pictures, rrb.Tabs(*tabs, active_tab=0), column_shares=[1, 1])
-    out.stream.send_recording_name(names)
+    out.stream.send_recording_name(title(runs))
     Packed(layout, clock, collapse_panels=True).send(out.stream)
 
 
