@@ -128,6 +128,7 @@ def quantities(runs: Sequence[Run]) -> list[Quantity]:
     if None not in errors and len({(error.label, error.unit) for error in errors}) == 1:
         label, unit, turn = errors[0].label, errors[0].unit, errors[0].stepped
         title = f"{label[0].upper()}{label[1:]} [{unit}]"
+        title += ", + to starboard" if errors[0].sided else ""
         found.append(Quantity("error", title, lambda run: task_error(run).values, turn))
     else:
         title = "Heading without jumps [deg]"

@@ -151,3 +151,10 @@ def test_title_says_what_all_share():
     assert title(runs_of([run(), run("lqg")])) == "heading_keeping, kcs, seed 3: pid against lqg"
     found = title(runs_of([run(), run(seed=4)]))
     assert found == "heading_keeping, kcs: seed 3 against seed 4"
+
+
+def test_distances_to_a_route_say_their_side():
+    sailed = [run(), run("lqg")]
+    for one in sailed:
+        one.columns["off_route"] = one["t"]
+    assert quantities(runs_of(sailed))[0].title == "Distance to the route [m], + to starboard"

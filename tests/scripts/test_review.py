@@ -467,3 +467,11 @@ def test_metrics_as_csv_are_quoted_and_have_the_units_of_the_file(cli, sailed, t
     assert code == 0, err
     rows = list(csv.reader(out.splitlines()))
     assert rows[0] == ["metric", "unit", "a, b.rrd"] and rows[-1] == ["steady_drift", "rad", "0.25"]
+
+
+def test_simulate_says_how_its_recording_is_seen(cli, tmp_path):
+    given = ("coasting", "--ship", "kcs_model", "--out", "a.png", "--rrd", "a b.rrd")
+    code, out, err = cli("simulate", *given)
+    assert code == 0 and out.endswith("\n      ship-gym review show 'a b.rrd'\n"), err
+    meta = Trajectory.from_rrd("a b.rrd").meta
+    assert meta["units"].keys() == meta["metrics"].keys()

@@ -109,7 +109,8 @@ def _handling(as_json, what, ship, sets, files, options) -> None:
     for path, job in written:
         job(path)
     names = [str(path) for path, _ in written]
-    show(as_json, handling.as_dict(case) | {"files": names}, handling.as_text(case, names, ship))
+    text = handling.as_text(case, names, ship) + _next(names)
+    show(as_json, handling.as_dict(case) | {"files": names}, text)
 
 
 def _turns(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, options) -> None:
@@ -133,7 +134,19 @@ def _turns(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, opti
         files.append(_write(cases[-1], out, extras, f"_{k}" if what == "trials" else ""))
     found = [report.as_dict(c) | {"files": f} for c, f in zip(cases, files, strict=True)]
     data = {"trials": found} if what == "trials" else found[0]
-    show(as_json, data, report.all_as_text(cases, files, ship))
+    show(
+        as_json,
+        data,
+        report.all_as_text(cases, files, ship) + _next([file for each in files for file in each]),
+    )
+
+
+def _next(files: list[str]) -> str:
+    """A further line on how to see the first recording, if there is one."""
+    from ship_gym_agents.cli.review.files import next_review
+
+    recordings = [file for file in files if file.endswith(".rrd")]
+    return f"\n      {next_review('show', recordings[0])}" if recordings else ""
 
 
 def _refuse_given(name: str, value: Any, why: str) -> None:
