@@ -62,14 +62,25 @@ def _extent(lines: Sequence[np.ndarray], limits: Sequence[np.ndarray]) -> tuple[
     """Smallest and largest value that must be seen; never equal."""
     low = float(min(line.min() for line in lines))
     high = float(max(line.max() for line in lines))
-    reach = _NEAR * (high - low)
     ends = [float(end) for limit in limits for end in (limit.min(), limit.max())]
-    near = [end for end in ends if low - reach <= end <= high + reach]
+    near = [end for end in ends if _is_near(end, low, high)]
     low, high = min([low, *near]), max([high, *near])
     if high - low <= 1e-9 * max(abs(low), abs(high), 1e-6):
         half = 0.05 * abs(low) or 1.0
         return low - half, high + half
     return low, high
+
+
+def _is_near(end: float, low: float, high: float) -> bool:
+    reach = _NEAR * (high - low)
+    return low - reach <= end <= high + reach
+
+
+def is_shown(limit: np.ndarray, lines: Sequence[np.ndarray]) -> bool:
+    """Whether a limit, shape (T,), comes near enough to the lines to be on their axis."""
+    low = float(min(line.min() for line in lines))
+    high = float(max(line.max() for line in lines))
+    return _is_near(float(limit.min()), low, high) or _is_near(float(limit.max()), low, high)
 
 
 def free_corner(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ship_gym.recording.axes import CORNERS, free_corner, y_range
+from ship_gym.recording.axes import CORNERS, free_corner, is_shown, y_range
 
 
 def ticks(low: float, high: float) -> int:
@@ -43,6 +43,8 @@ def test_a_constant_line_has_room_on_both_sides():
 def test_a_limit_is_on_the_axis_only_where_a_line_comes_near():
     line, limits = np.linspace(-8.0, 20.0, 9), [np.full(9, 35.0), np.full(9, -35.0)]
     assert max(y_range([line], limits)) < 35.0
+    assert [is_shown(limit, [line]) for limit in limits] == [False, False]
+    assert [is_shown(limit, [1.5 * line]) for limit in limits] == [True, False]
     low, high = y_range([1.5 * line], limits)
     assert high > 35.0
     assert low > -35.0

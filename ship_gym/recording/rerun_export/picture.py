@@ -21,7 +21,7 @@ from ship_gym.recording.rerun_export.blueprint import (
     whole,
 )
 from ship_gym.recording.rerun_export.log import Output, log, log_style
-from ship_gym.recording.rerun_export.plots import marked_line, send_panels
+from ship_gym.recording.rerun_export.plots import marked_line, send_panels, with_near_limits
 from ship_gym.recording.rerun_export.rows import changes, send_chosen, shown_rows, slow_rows
 from ship_gym.recording.rerun_export.water import send_water
 from ship_gym.recording.trajectory import Trajectory
@@ -37,6 +37,8 @@ def send_picture(out: Output, trajectory: Trajectory) -> None:
     columns, meta, live = trajectory.columns, trajectory.meta, out.area is not None
     t, ship = columns["t"], scene.ship_shape(meta)
     panels = steering_panels(columns, meta) + motion_panels(columns, out.largest, meta)
+    if not live:
+        panels = [with_near_limits(panel) for panel in panels]
     views = [rrb.Tabs(*text_views())]
     often = shown_rows(len(t), live)
     seldom = often & slow_rows(t, ship.L if ship else 200.0)

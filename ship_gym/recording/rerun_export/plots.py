@@ -6,12 +6,14 @@ record. A view finds its lines by a mapping from a component of that entity.
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
 
-from ship_gym.recording.axes import USUAL, free_corner, y_range
+from ship_gym.recording.axes import USUAL, free_corner, is_shown, y_range
 from ship_gym.recording.panel import COURSE, STEERING, Panel
 from ship_gym.recording.rerun_export.log import Output
 from ship_gym.recording.rerun_export.rows import send_chosen
@@ -58,6 +60,13 @@ def _lines(panels: list[Panel]):
         return found
 
     return rows
+
+
+def with_near_limits(panel: Panel) -> Panel:
+    """A plot of a run that is over without the limits that are not on its axis."""
+    moving = [series.values for series in panel.series if not series.limit]
+    near = [s for s in panel.series if not s.limit or is_shown(s.values, moving)]
+    return dataclasses.replace(panel, series=near)
 
 
 def marked_line(panel: Panel) -> int | None:
