@@ -49,8 +49,9 @@ class RecordRerun(gym.Wrapper, RecordConstructorArgs):
         Which of those have a file in the end: all, those that ended at a limit or diverged, the
         worst so far, or those for whose ``Trajectory`` a function gives True.
     by : str, optional
-        Metric of `keep` "worst"; the task's headline if None. An episode without a value is no
-        candidate.
+        Metric of `keep` "worst"; the task's headline if None. Episodes that failed are worse than
+        all others; one without a value that did not fail is no candidate. Of equal ones the earlier
+        stays.
     most : int, optional
         How many files stay, of "worst" the worst, otherwise the latest; None: all, of "worst" 1.
         The others are removed.

@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import itertools
+import math
 import weakref
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -28,6 +29,7 @@ from ship_gym.provenance import provenance
 from ship_gym.recording.journal import BeingWritten, journal_path
 from ship_gym.recording.trajectory import Trajectory, import_rerun_export
 
+Badness = tuple[bool, float]  # whether it failed, and its value, the larger the worse
 _LARGEST_SEED = 2**63  # those that numpy draws itself are longer than a file name should be
 
 
@@ -71,7 +73,7 @@ class EpisodeRecording:
         self._fresh: dict[int, dict[str, Any]] = {}  # begun, not yet sailed: options of the reset
         self._runs: dict[int, _Run] = {}  # by environment
         self._count = 0
-        self._kept: list[tuple[float, Path]] = []  # how bad, the larger the worse, and the file
+        self._kept: list[tuple[Badness, Path]] = []  # the least bad first
         batch.watch(self)
         self._at_exit = weakref.finalize(self, _leave_all, self._runs)  # also after Ctrl-C
 
@@ -192,34 +194,35 @@ class EpisodeRecording:
         """Write an episode whose last row the log has, if it is kept."""
         if run.stream is not None:
             run.stream.finish(outcome)
-            return self._keep(0.0, run.stream.path)
+            return self._keep((False, 0.0), run.stream.path)
         rows = self._log.part(run.place, 0, int(self._log.lengths[run.place]) + 1)
         trajectory = run.conditions.trajectory(rows, outcome, run.about)
-        value = self._value(trajectory)
-        if value is not None and self._options.takes(trajectory):
+        badness = self._badness(trajectory)
+        if badness is not None and self._options.takes(trajectory):
             self._stream(i)
             run.stream.finish(outcome, trajectory)
-            self._keep(value, run.stream.path)
+            self._keep(badness, run.stream.path)
         return None
 
-    def _value(self, trajectory: Trajectory) -> float | None:
-        """How bad an episode was, 0 where that does not count; None: not among the worst."""
+    def _badness(self, trajectory: Trajectory) -> Badness | None:
+        """How bad an episode was, as ``evaluation.choice`` ranks it; None: not among the worst."""
         if self._by is None:
-            return 0.0
+            return False, 0.0
         name, sign = self._by
-        value = trajectory.meta["metrics"].get(name)
-        if value is None or (self._is_full and sign * value <= self._kept[0][0]):
+        value, failed = trajectory.meta["metrics"].get(name), bool(trajectory.meta["failed"])
+        if value is None and not failed:
             return None
-        return sign * value
+        found = failed, math.inf if value is None else sign * value
+        return None if self._is_full and found <= self._kept[0][0] else found
 
     @property
     def _is_full(self) -> bool:
         return self._options.most is not None and len(self._kept) >= self._options.most
 
-    def _keep(self, value: float, file: Path) -> None:
+    def _keep(self, badness: Badness, file: Path) -> None:
         """Count a file as kept; of too many the oldest, or the least bad, is removed."""
         dropped = self._kept.pop(0)[1] if self._is_full else None
-        self._kept.append((value, file))
+        self._kept.append((badness, file))
         self._kept.sort(key=lambda one: one[0])
         if dropped is not None:
             dropped.unlink(missing_ok=True)

@@ -121,7 +121,7 @@ def recordings(places: Iterable[str | os.PathLike]) -> list[Path]:
     found: list[Path] = []
     for place in map(Path, places):
         if place.is_dir():
-            inside = (path for suffix in SUFFIXES for path in place.rglob(f"*{suffix}"))
+            inside = (p for p in place.rglob("*") if p.name.lower().endswith(SUFFIXES))
             # a hidden one is being written
             found += sorted(p for p in inside if p.is_file() and not p.name.startswith("."))
         elif place.exists():

@@ -11,6 +11,7 @@ from types import TracebackType
 import numpy as np
 
 from ship_gym.config import ConfigError
+from ship_gym.provenance import DiskFull
 from ship_gym.recording.journal import Journal, journal_path
 from ship_gym.recording.trajectory import Trajectory, import_rerun_export, plain
 
@@ -59,7 +60,7 @@ class Recorder:
         self.path, self._picture = Path(path), picture
         self._chunk = chunk
         self._names = _checked_names(names)
-        if self.path.suffix != ".rrd":
+        if self.path.suffix.lower() != ".rrd":
             raise ConfigError(f"path = {str(path)!r}: a recording is a file '*.rrd'")
         if self.path.is_dir():
             raise ConfigError(f"path = {str(path)!r}: is a folder")
@@ -111,9 +112,12 @@ class Recorder:
         try:
             self._flush()
             import_rerun_export().write_rrd(trajectory, self.path, picture=self._picture)
-        except BaseException:
+        except BaseException as error:
             with contextlib.suppress(OSError):
                 self.keep()
+            if isinstance(error, DiskFull) and self.journal.exists():
+                text = f"{error}; its rows are in {self.journal}"
+                raise DiskFull(error.errno, text) from error
             raise
         self.discard()
 

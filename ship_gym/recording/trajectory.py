@@ -167,7 +167,7 @@ class Trajectory:
         ValueError
             A file of another name; and what `from_rrd` raises.
         """
-        name = os.fspath(path)
+        name = os.fspath(path).lower()
         if name.endswith(".rrd"):
             return cls.from_rrd(path)
         if name.endswith(".rrd.partial"):

@@ -125,6 +125,29 @@ def test_failed_ones_and_those_of_a_function_of_the_trajectory(tmp_path):
         assert {t.meta["outcome"] for t in found} == {"heading limit"}
 
 
+def test_failed_ones_are_the_worst_as_everywhere(tmp_path):
+    """Two turn to the limit with the rudder hard over; two weave, with far more rudder travel."""
+    early = {"limits.heading_error_deg": 30.0, "start.heading_error_deg": 1.0, "duration": 150.0}
+    found = {}
+    for keep in ("all", "worst"):
+        of_worst = {"by": "rudder_travel", "most": 3} if keep == "worst" else {}
+        calm = ShipEnv(scenario="heading_calm", overrides=early)
+        env = RecordRerun(calm, tmp_path / keep, keep=keep, **of_worst, **FAST)
+        for seed in (0, 1):
+            sail(env, seed, rudder=1.0)
+            env.reset(seed=seed)
+            for k in range(150):
+                env.step(np.array([0.4 * (-1) ** k], np.float32))
+        env.close()
+        found[keep] = [Trajectory.from_rrd(file) for file in env.files]
+    failed = [t.meta["failed"] for t in found["all"]]
+    travel = [t.meta["metrics"]["rudder_travel"] for t in found["all"]]
+    assert failed == [True, False, True, False]
+    assert max(travel[::2]) < min(travel[1::2])
+    worst = [t.meta["episode"] for t in found["worst"]]
+    assert worst == [1, 0, 2]  # the least bad first; of equal ones the earlier stays
+
+
 def test_the_latest_stay_and_nothing_is_overwritten(tmp_path):
     for _ in range(2):
         env = RecordRerun(ShipEnv(overrides=SHORT), tmp_path, most=1, name="run", **FAST)

@@ -39,8 +39,10 @@ def folder(tmp_path):
 
 
 def test_recordings_and_journals_are_found_in_subfolders_once(folder):
+    (folder / "turn.rrd").rename(folder / "TURN.RRD")
     names = [path.name for path in recordings([folder, folder / "more" / "a.rrd"])]
-    assert sorted(names) == ["a.rrd", "b.rrd", "bad.rrd", "killed.rrd.partial", "turn.rrd"]
+    assert sorted(names) == ["TURN.RRD", "a.rrd", "b.rrd", "bad.rrd", "killed.rrd.partial"]
+    assert len(Trajectory.from_file(folder / "TURN.RRD")) == len(T)
     with pytest.raises(ConfigError, match="nowhere: no such file or folder"):
         recordings([folder / "nowhere"])
 
