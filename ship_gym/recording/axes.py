@@ -60,8 +60,7 @@ def _without_peaks(lines: Sequence[np.ndarray]) -> list[np.ndarray]:
 
 def _extent(lines: Sequence[np.ndarray], limits: Sequence[np.ndarray]) -> tuple[float, float]:
     """Smallest and largest value that must be seen; never equal."""
-    low = float(min(line.min() for line in lines))
-    high = float(max(line.max() for line in lines))
+    low, high = _span(lines)
     ends = [float(end) for limit in limits for end in (limit.min(), limit.max())]
     near = [end for end in ends if _is_near(end, low, high)]
     low, high = min([low, *near]), max([high, *near])
@@ -71,6 +70,10 @@ def _extent(lines: Sequence[np.ndarray], limits: Sequence[np.ndarray]) -> tuple[
     return low, high
 
 
+def _span(lines: Sequence[np.ndarray]) -> tuple[float, float]:
+    return float(min(line.min() for line in lines)), float(max(line.max() for line in lines))
+
+
 def _is_near(end: float, low: float, high: float) -> bool:
     reach = _NEAR * (high - low)
     return low - reach <= end <= high + reach
@@ -78,8 +81,7 @@ def _is_near(end: float, low: float, high: float) -> bool:
 
 def is_shown(limit: np.ndarray, lines: Sequence[np.ndarray]) -> bool:
     """Whether a limit, shape (T,), comes near enough to the lines to be on their axis."""
-    low = float(min(line.min() for line in lines))
-    high = float(max(line.max() for line in lines))
+    low, high = _span(lines)
     return _is_near(float(limit.min()), low, high) or _is_near(float(limit.max()), low, high)
 
 

@@ -11,7 +11,7 @@ import rerun.blueprint as rrb
 from ship_gym.recording.card import card_text
 from ship_gym.recording.marks import Mark, marks
 from ship_gym.recording.panel import Panel
-from ship_gym.recording.rerun_export.log import TIMELINE, Output, log, log_style
+from ship_gym.recording.rerun_export.log import Output, clock, log, log_style
 from ship_gym.recording.trajectory import Trajectory
 
 CARD, MARKS = "about", "marks"  # entities of both
@@ -39,7 +39,8 @@ def send_marks(out: Output, trajectory: Trajectory) -> None:
         level=[_level(mark, trajectory) for mark in found],
         color=[_LEVELS[mark.kind][1] for mark in found],
     )
-    rr.send_columns(MARKS, [_clock(found)], entries, recording=out.stream, strict=True)
+    times = clock([mark.time for mark in found])
+    rr.send_columns(MARKS, [times], entries, recording=out.stream, strict=True)
 
 
 def send_points(
@@ -66,7 +67,8 @@ def send_points(
     values = np.interp([mark.time for mark in found], t, series.values)
     colors = [_LEVELS[mark.kind][1] for mark in found]
     points = [*rr.Scalars.columns(scalars=values), *rr.SeriesPoints.columns(colors=colors)]
-    rr.send_columns(path, [_clock(found)], points, recording=out.stream, strict=True)
+    times = clock([mark.time for mark in found])
+    rr.send_columns(path, [times], points, recording=out.stream, strict=True)
 
 
 def marks_view(name: str = "Marks") -> rrb.TextLogView:
@@ -75,11 +77,6 @@ def marks_view(name: str = "Marks") -> rrb.TextLogView:
     shown = [rrb.encodings.TextLogColumn(kind, visible=visible) for kind, visible in kinds]
     columns = rrb.TextLogColumns(text_log_columns=shown)
     return rrb.TextLogView(origin=f"/{MARKS}", name=name, columns=columns)
-
-
-def _clock(found: Sequence[Mark]) -> rr.TimeColumn:
-    times = np.round(np.array([mark.time for mark in found]) * 1e9).astype("timedelta64[ns]")
-    return rr.TimeColumn(TIMELINE, duration=times)
 
 
 def _level(mark: Mark, trajectory: Trajectory) -> str:

@@ -26,9 +26,15 @@ from ship_gym.recording.rerun_export.blueprint import (
     text_views,
     whole,
 )
-from ship_gym.recording.rerun_export.log import TIMELINE, Output, log, log_style, new_stream
-from ship_gym.recording.rerun_export.picture import log_compass
-from ship_gym.recording.rerun_export.rows import changes, send_chosen, shown_rows, slow_rows
+from ship_gym.recording.rerun_export.log import Output, clock, log, log_style, new_stream
+from ship_gym.recording.rerun_export.picture import (
+    log_compass,
+    log_grid,
+    log_route,
+    log_solid,
+    send_pose,
+)
+from ship_gym.recording.rerun_export.rows import send_chosen, shown_rows, slow_rows
 from ship_gym.recording.rerun_export.rrd_file import COMPARISON, read_chunks
 from ship_gym.recording.rerun_export.water import send_water
 from ship_gym.recording.sealed import DamagedRecording, seal
@@ -36,7 +42,6 @@ from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.wave_grid import wave_grid
 
 _FORMAT, _HEAD = 1, "ShipGymComparison"
-_GRID, _TICK, _ROUTE = (62, 78, 96), (255, 255, 255), (206, 160, 80)
 _WHITE = (240, 240, 235)
 _GHOST = 120  # opacity of the other ships, of 255
 _MOST_POINTS = 1000  # of a track
@@ -112,7 +117,7 @@ def _send_picture(out: Output, runs: Sequence[Run]) -> None:
     length = _length(runs)
     low, high = _log_chart(out, runs, length)
     above = _log_sea(out, runs[0], _tracks(runs), length)
-    _log_route(out, runs[0], above)
+    log_route(out, runs[0].trajectory, above)
     for number, run in enumerate(runs):
         _log_run(out, run, number, length, above)
     found, less = panels(runs)
@@ -124,7 +129,7 @@ def _send_picture(out: Output, runs: Sequence[Run]) -> None:
     _send_marks(out, runs)
     views = [scene_view(runs[0].trajectory.columns, 1.15 * length, 0, title(runs))]
     views.append(rrb.Tabs(plan_view(low, high), *text_views(), active_tab=0))
-    axis, clock = whole(max((run.t for run in runs), key=lambda t: t[-1]))
+    axis, time_panel = whole(max((run.t for run in runs), key=lambda t: t[-1]))
     tabs = [
         rrb.Vertical(
             *(_plot_view(panel, t, axis) for panel, t in zip(*both, strict=True)), name=name
@@ -134,7 +139,7 @@ def _send_picture(out: Output, runs: Sequence[Run]) -> None:
     pictures = rrb.Vertical(*views, row_shares=[3, 2])
     layout = rrb.Horizontal(pictures, rrb.Tabs(*tabs, active_tab=0), column_shares=[1, 1])
     out.stream.send_recording_name(title(runs))
-    Packed(layout, clock, collapse_panels=True).send(out.stream)
+    Packed(layout, time_panel, collapse_panels=True).send(out.stream)
 
 
 def _length(runs: Sequence[Run]) -> float:
@@ -158,32 +163,14 @@ def _log_sea(out: Output, first: Run, tracks: np.ndarray, length: float) -> np.n
     points, shown = scene.positions(first.trajectory.columns), shown_rows(len(first.t), False)
     send_water(out, grid, first.t, points, shown)
     log_compass(out, length, above)
-
-    def rows(new):
-        return rr.Transform3D.columns(translation=points[new])
-
-    send_chosen(out, "world/at_ship", first.t, shown & changes(points), rows)
+    send_pose(out, "world/at_ship", first.t, shown, points)
     return above
-
-
-def _log_route(out: Output, first: Run, above: np.ndarray) -> None:
-    """Log the way-points of a track in both views."""
-    points = first.trajectory.meta.get("waypoints")
-    if points:
-        route = np.array(points, dtype=float)
-        strip = rr.LineStrips2D([plan.to_plan(route)], colors=_ROUTE, radii=-0.7)
-        log(out, "plan/route", strip)
-        route = np.column_stack([route, np.full(len(route), above[2])])
-        log(out, "world/route", rr.LineStrips3D([route], colors=_ROUTE, radii=-1.0))
 
 
 def _log_chart(out: Output, runs: Sequence[Run], length: float) -> tuple[np.ndarray, np.ndarray]:
     """Log the grid of the plan, and give its corners."""
     low, high = plan.plan_bounds(plan.to_plan(_tracks(runs)), 1.5 * length)
-    lines, places, texts = plan.grid_lines(low, high)
-    log(out, "plan/grid", rr.LineStrips2D(lines, colors=_GRID, radii=-0.5, draw_order=-2.0))
-    labels = rr.Points2D(places, labels=texts, colors=_TICK, radii=-1.0, draw_order=-1.0)
-    log(out, "plan/labels", labels)
+    log_grid(out, low, high)
     return low, high
 
 
@@ -198,7 +185,7 @@ def _log_run(out: Output, run: Run, number: int, length: float, above: np.ndarra
     label = rr.Points3D([[0.0, 0.0, -high]], labels=[run.name], colors=[_WHITE], radii=0.0)
     log(out, f"{path}/name", label)
     chosen = shown_rows(len(run.t), False)
-    _send_pose(out, path, run.t, chosen, *scene.pose(columns))
+    send_pose(out, path, run.t, chosen, *scene.pose(columns))
     points = scene.positions(columns)
     step = max(1, -(-len(points) // _MOST_POINTS))
     track = np.concatenate([points[:-1][::step], points[-1:]])
@@ -211,28 +198,13 @@ def _log_run(out: Output, run: Run, number: int, length: float, above: np.ndarra
     log(out, path, rr.LineStrips2D([outline], colors=[run.color], radii=-1.2))
     flat = np.column_stack([plan.to_plan(points), np.zeros(len(points))])
     chosen &= slow_rows(run.t, length)
-    _send_pose(out, path, run.t, chosen, flat, scene.turned(columns["psi"], axis=2))
+    send_pose(out, path, run.t, chosen, flat, scene.turned(columns["psi"], axis=2))
 
 
 def _log_ship(out: Output, path: str, sizes: tuple, color: tuple) -> None:
     """Log hull and house in one colour."""
-    meshes = {"hull": hull_shape.hull_mesh(*sizes), "house": hull_shape.superstructure_mesh(*sizes)}
-    for name, mesh in meshes.items():
-        vertices, triangles, normals = hull_shape.flat_shaded(*mesh)
-        solid = rr.Mesh3D(
-            vertex_positions=vertices,
-            triangle_indices=triangles,
-            vertex_normals=normals,
-            albedo_factor=color,
-        )
-        log(out, f"{path}/{name}", solid)
-
-
-def _send_pose(out: Output, path: str, t, chosen, places, turns) -> None:
-    def rows(new):
-        return rr.Transform3D.columns(translation=places[new], quaternion=turns[new])
-
-    send_chosen(out, path, t, chosen & changes(places, turns), rows)
+    log_solid(out, f"{path}/hull", hull_shape.hull_mesh(*sizes), color)
+    log_solid(out, f"{path}/house", hull_shape.superstructure_mesh(*sizes), color)
 
 
 def _log_lines(out: Output, panel: Panel, times: Sequence[np.ndarray]) -> None:
@@ -270,11 +242,10 @@ def _send_marks(out: Output, runs: Sequence[Run]) -> None:
         for number, run in enumerate(runs)
         for mark in marks(run.trajectory)
     )
-    times = np.round(np.array([time for time, *_ in found]) * 1e9).astype("timedelta64[ns]")
     entries = rr.TextLog.columns(
         text=[f"{runs[number].name}: {mark.text}" for _, number, mark in found],
         level=[str(rr.TextLogLevel.INFO)] * len(found),
         color=[runs[number].color for _, number, _ in found],
     )
-    clock = rr.TimeColumn(TIMELINE, duration=times)
-    rr.send_columns(MARKS, [clock], entries, recording=out.stream, strict=True)
+    times = clock([time for time, *_ in found])
+    rr.send_columns(MARKS, [times], entries, recording=out.stream, strict=True)

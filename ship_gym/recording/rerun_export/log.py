@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -97,6 +98,12 @@ def open_viewer() -> str:
             raise RuntimeError(str(error)) from error
         _VIEWERS.append(program)
     return f"rerun+http://{HOST}:{PORT}/proxy"
+
+
+def clock(times: np.ndarray | Sequence[float]) -> rr.TimeColumn:
+    """Times [s], shape (T,), on the time line of the viewer."""
+    nanoseconds = np.round(np.asarray(times) * 1e9).astype("timedelta64[ns]")
+    return rr.TimeColumn(TIMELINE, duration=nanoseconds)
 
 
 def log(out: Output, path: str, archetype) -> None:

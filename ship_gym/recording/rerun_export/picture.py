@@ -92,10 +92,11 @@ def _log_scene(out, trajectory: Trajectory, points, ship, length, often, seldom)
     if out.fixed:
         log(out, "world", rr.ViewCoordinates.FRD)  # x north, y east, z down: right-handed
         log_compass(out, length, above)
+        log_route(out, trajectory, above)
     send_water(out, grid, t, points, often)
     places, turns = scene.pose(columns)
-    _send_pose(out, "world/ship", t, often, places, turns)
-    _send_pose(out, "world/at_ship", t, often, points)
+    send_pose(out, "world/ship", t, often, places, turns)
+    send_pose(out, "world/at_ship", t, often, points)
     _log_wake(out, trajectory, points, above, seldom)
     if ship is not None:
         _log_ship(out, columns, ship, seldom)
@@ -109,7 +110,7 @@ def _far(out: Output, points: np.ndarray, length: float) -> float:
     return float(np.ptp(area, axis=0).max()) + 25.0 * length
 
 
-def _send_pose(out: Output, path: str, t, chosen, places, turns=None) -> None:
+def send_pose(out: Output, path: str, t, chosen, places, turns=None) -> None:
     """Send places (T, 3) [m] and turns (T, 4) of an entity, in the rows in which they change."""
     turns = None if turns is None else np.round(turns * _FINE * 16.0) / (_FINE * 16.0)
     moved = changes(places) if turns is None else changes(places, turns)
@@ -134,13 +135,19 @@ def _send_turns(out: Output, path: str, t, chosen, place, angle: np.ndarray, axi
 
 
 def _log_wake(out, trajectory: Trajectory, points: np.ndarray, above, chosen) -> None:
-    """Log the wake and the route of way-points, just above the sea."""
+    """Log the wake, just above the sea."""
     rows, pieces = scene.wake(points + above, chosen)
     if out.fixed:
         log_style(out, "world/wake", rr.LineStrips3D, colors=[_TRACK], radii=[-1.5])
     _send_pieces(out, "world/wake", trajectory["t"], rows, pieces, rr.LineStrips3D)
-    if out.fixed and trajectory.meta.get("waypoints"):
+
+
+def log_route(out: Output, trajectory: Trajectory, above: np.ndarray) -> None:
+    """Log the way-points of a track, if there are any: in the plan, and just above the sea."""
+    if trajectory.meta.get("waypoints"):
         route = np.array(trajectory.meta["waypoints"], dtype=float)
+        flat = plan.to_plan(route)
+        log(out, "plan/route", rr.LineStrips2D([flat], colors=_BRONZE, radii=-0.7))
         route = np.column_stack([route[:, 0], route[:, 1], np.full(len(route), above[2])])
         log(out, "world/route", rr.LineStrips3D([route], colors=_BRONZE, radii=-1.0))
 
@@ -184,12 +191,12 @@ def _log_ship(out, columns, ship: scene.ShipShape, chosen) -> None:
     centre, *mesh = scene.propeller_mesh(ship)
     if out.fixed:
         sizes = (ship.L, ship.B, ship.d)
-        _log_solid(out, "world/ship/hull", hull_shape.hull_mesh(*sizes))
-        _log_solid(out, "world/ship/house", hull_shape.superstructure_mesh(*sizes), _WHITE)
+        log_solid(out, "world/ship/hull", hull_shape.hull_mesh(*sizes))
+        log_solid(out, "world/ship/house", hull_shape.superstructure_mesh(*sizes), _WHITE)
         ahead = [[(0.5 * ship.L, 0.0, 0.0), (scene.RING * ship.L, 0.0, 0.0)]]
         log(out, "world/ship/ahead", rr.LineStrips3D(ahead, colors=_TRACK, radii=-1.0))
-        _log_solid(out, "world/ship/rudder", hull_shape.box_mesh(*plate), _STEEL)
-        _log_solid(out, "world/ship/propeller", mesh, _BRONZE)
+        log_solid(out, "world/ship/rudder", hull_shape.box_mesh(*plate), _STEEL)
+        log_solid(out, "world/ship/propeller", mesh, _BRONZE)
     delta = columns.get("delta", np.zeros(len(t)))
     # The blade hangs aft of its stock: for delta > 0 its trailing edge goes to starboard, which
     # is a negative turn about z (down).
@@ -203,32 +210,34 @@ def _log_plan(out, trajectory: Trajectory, points, ship, length: float, chosen):
     area = track if out.area is None else plan.to_plan(out.area)
     low, high = plan.plan_bounds(area, 1.5 * length)
     if out.fixed:
-        _log_chart(out, trajectory, ship, length, low, high)
+        _log_chart(out, ship, length, low, high)
     rows, pieces = scene.wake(track, chosen)
     _send_pieces(out, "plan/track", t, rows, pieces, rr.LineStrips2D)
     places = np.column_stack([track, np.zeros(len(t))])
     moved = np.zeros(len(t), dtype=bool)
     moved[rows] = True
-    _send_pose(out, "plan/ship", t, moved, places, scene.turned(trajectory["psi"], axis=2))
+    send_pose(out, "plan/ship", t, moved, places, scene.turned(trajectory["psi"], axis=2))
     return low, high
 
 
-def _log_chart(out, trajectory: Trajectory, ship, length: float, low, high) -> None:
-    """Log what stays the same of the plan view: grid, outline of the ship, route."""
-    lines, places, labels = plan.grid_lines(low, high)
-    log(out, "plan/grid", rr.LineStrips2D(lines, colors=_GRID, radii=-0.5, draw_order=-2.0))
-    ticks = rr.Points2D(places, labels=labels, colors=_TICK, radii=-1.0, draw_order=-1.0)
-    log(out, "plan/labels", ticks)
+def _log_chart(out, ship, length: float, low, high) -> None:
+    """Log what stays the same of the plan view: grid, outline of the ship."""
+    log_grid(out, low, high)
     log_style(out, "plan/track", rr.LineStrips2D, colors=[_TRACK], radii=[-1.0])
     shape = (ship.L, ship.B, ship.d) if ship else (length, 0.2 * length, 0.1 * length)
     outline = plan.to_plan(hull_shape.deck_outline(*shape)[::3])
     log(out, "plan/ship", rr.LineStrips2D([outline], colors=_BRONZE, radii=-1.5))
-    if trajectory.meta.get("waypoints"):
-        route = plan.to_plan(np.array(trajectory.meta["waypoints"], dtype=float))
-        log(out, "plan/route", rr.LineStrips2D([route], colors=_BRONZE, radii=-0.7))
 
 
-def _log_solid(out, path: str, mesh, color=None) -> None:
+def log_grid(out: Output, low: np.ndarray, high: np.ndarray) -> None:
+    """Log the grid of the plan between two corners [m], with its numbers."""
+    lines, places, labels = plan.grid_lines(low, high)
+    log(out, "plan/grid", rr.LineStrips2D(lines, colors=_GRID, radii=-0.5, draw_order=-2.0))
+    ticks = rr.Points2D(places, labels=labels, colors=_TICK, radii=-1.0, draw_order=-1.0)
+    log(out, "plan/labels", ticks)
+
+
+def log_solid(out, path: str, mesh, color=None) -> None:
     """Log a closed mesh, sharp-edged in one colour, or round in a hull's paint."""
     vertices, triangles, normals = hull_shape.flat_shaded(*mesh)
     if color is not None:

@@ -9,7 +9,7 @@ import numpy as np
 import rerun as rr
 
 from ship_gym.conventions import G
-from ship_gym.recording.rerun_export.log import TIMELINE, Output
+from ship_gym.recording.rerun_export.log import Output, clock
 
 SLOW = 0.6  # [sqrt(L/g)]: 2.9 s of a ship of 230 m
 MOST_ROWS = 1500  # of a run that is over; a screen is not wider
@@ -60,6 +60,4 @@ def send_chosen(
     """Send `rows` of a mask, shape (T,): those of the `chosen` ones that are new."""
     new = chosen & (t > out.sent)
     if new.any():
-        times = np.round(t[new] * 1e9).astype("timedelta64[ns]")
-        clock = rr.TimeColumn(TIMELINE, duration=times)
-        rr.send_columns(path, [clock], rows(new), recording=out.stream, strict=True)
+        rr.send_columns(path, [clock(t[new])], rows(new), recording=out.stream, strict=True)

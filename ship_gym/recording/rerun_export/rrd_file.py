@@ -23,7 +23,13 @@ from rerun.error_utils import RerunWarning
 
 from ship_gym.provenance import DiskFull, atomic_path
 from ship_gym.recording.card import run_name
-from ship_gym.recording.rerun_export.log import TIMELINE, Output, application_id, new_stream
+from ship_gym.recording.rerun_export.log import (
+    TIMELINE,
+    Output,
+    application_id,
+    clock,
+    new_stream,
+)
 from ship_gym.recording.rerun_export.picture import send_picture
 from ship_gym.recording.sealed import DamagedRecording, seal, verify
 from ship_gym.recording.trajectory import Trajectory
@@ -106,9 +112,8 @@ def log_record(out: Output, trajectory: Trajectory) -> None:
         rows = table[start : start + _PIECE]
         values = rr.components.ScalarBatch(rows.ravel())
         column = rr.ComponentColumn(what, values, lengths=np.full(len(rows), rows.shape[1]))
-        times = np.round(rows[:, 0] * 1e9).astype("timedelta64[ns]")
-        clock = rr.TimeColumn(TIMELINE, duration=times)
-        rr.send_columns("record", [clock], [column], recording=out.stream, strict=True)
+        times = clock(rows[:, 0])
+        rr.send_columns("record", [times], [column], recording=out.stream, strict=True)
 
 
 def read_rrd(
