@@ -1,29 +1,99 @@
-"""Strict loaders: text files of any encoding, and TOML to frozen dataclasses in SI.
+"""Strict values: mappings to frozen dataclasses in SI, and one line for each that is wrong.
 
-A wrong file is refused before any work starts, with the file, the field, the value and what is
-allowed. Unknown keys name the nearest known one.
+A wrong value is refused before any work starts, with the field, the value and what is allowed.
+Unknown keys name the nearest known one. Files are read in ``ship_gym.reading``.
 """
 
 from __future__ import annotations
 
-import codecs
+import contextlib
 import dataclasses
 import difflib
 import math
-import tomllib
 import types
 import typing
-from collections.abc import Iterable, Mapping
-from pathlib import Path
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from ship_gym.conventions import KNOT
 
+LONGEST = 300  # characters of a line of an error
+_TINY, _HUGE = 1e-30, 1e30  # no quantity of a ship or a sea is smaller, but zero, or larger
+
 
 class ConfigError(ValueError):
-    """A file, a key or a value that cannot be used; the message says which and what is allowed."""
+    """A file, a key or a value that cannot be used; the message says which and what is allowed.
+
+    One line for each thing that is wrong, at most `LONGEST` characters; a longer one loses its
+    middle.
+    """
+
+    def __init__(self, text: object = ""):
+        super().__init__("\n".join(map(_cut, str(text).splitlines() or [""])))
+
+
+def _cut(line: str, most: int = LONGEST) -> str:
+    """A line without its middle, where it is longer than `most` characters."""
+    line = "".join(c if c.isprintable() else " " for c in line)
+    if len(line) <= most:
+        return line
+    half = (most - 5) // 2
+    return f"{line[:half]} ... {line[-half:]}"
+
+
+def shown(value: object, most: int = 60) -> str:
+    """A value as it is named in an error: its ``repr``, at most `most` characters.
+
+    Never an exception, whatever the value: Python itself refuses to print integers of more than
+    4,300 digits.
+    """
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, str | bytes):
+        value = value if len(value) <= most else value[:most]
+    elif isinstance(value, int) and value.bit_length() > 200:
+        return f"an integer of {value.bit_length()} bits"
+    try:
+        return _cut(repr(value), most)
+    except (ValueError, RecursionError):
+        return f"a {type(value).__name__} that cannot be printed"
+
+
+class Findings:
+    """All that is wrong with one thing, to be said at once.
+
+    Examples
+    --------
+    >>> findings = Findings()
+    >>> with findings.kept():
+    ...     check_number("speed", -1.0, 0.0, 10.0, "m/s")
+    >>> findings.lines
+    ['speed = -1.0: allowed is 0 to 10 [m/s]']
+    """
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+
+    def add(self, text: str) -> None:
+        """Keep one line, once."""
+        if text not in self.lines:
+            self.lines.append(text)
+
+    @contextlib.contextmanager
+    def kept(self) -> Iterator[None]:
+        """Keep what a ``ConfigError`` in the block says, and go on after it."""
+        try:
+            yield
+        except ConfigError as error:
+            for line in str(error).splitlines():
+                self.add(line)
+
+    def tell(self) -> None:
+        """Raise one ``ConfigError`` with a line for each finding, if there are any."""
+        if self.lines:
+            raise ConfigError("\n".join(self.lines))
 
 
 # Factor from a printed unit to SI, and the SI unit it becomes. "L" is the ship's own length.
@@ -50,10 +120,10 @@ UNITS: dict[str, tuple[float, str]] = {
 }
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
+def nearest(name: object, known: Iterable[str]) -> str:
     """Text ``did you mean 'x'? Known: ...`` for an unknown name."""
     known = sorted(str(k) for k in known)
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
+    close = difflib.get_close_matches(shown(name)[:80].strip("'"), known, n=1, cutoff=0.4)
     guess = f" did you mean {close[0]!r}?" if close else ""
     return f"{guess} Known: {', '.join(known)}"
 
@@ -62,17 +132,13 @@ def check_known(kind: str, name: str, known: Iterable[str]) -> str:
     """Return `name` if it is known, else raise ConfigError that names the nearest one."""
     known = list(known)
     if name not in known:
-        raise ConfigError(f"unknown {kind} {name!r};{nearest(str(name), known)}")
+        raise ConfigError(f"unknown {kind} {shown(name)};{nearest(name, known)}")
     return name
 
 
 def check_angle(field: str, value: float, limit: float = 2.0 * math.pi) -> float:
     """Return an angle [rad] if it is finite and within `limit` [rad], else raise ConfigError."""
-    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-        raise ConfigError(f"{field} = {value!r}: must be an angle in rad")
-    value = float(value)
-    if not math.isfinite(value):
-        raise ConfigError(f"{field} = {value}: must be a finite angle in rad")
+    value = check_number(field, value, unit="rad")
     if abs(value) > limit * (1.0 + 1e-12):
         hint = f"; looks like degrees, use {math.radians(value):.4g} rad"
         hint = hint if abs(value) > 2.0 * math.pi or abs(math.radians(value)) <= limit else ""
@@ -83,14 +149,28 @@ def check_angle(field: str, value: float, limit: float = 2.0 * math.pi) -> float
 def check_number(
     field: str, value: float, low: float = -math.inf, high: float = math.inf, unit: str = "-"
 ) -> float:
-    """Return a finite number within [low, high], else raise ConfigError that says so."""
+    """Return a finite number within [low, high], else raise ConfigError that says so.
+
+    A number that a float cannot hold, and one that no quantity reaches (1e-30 to 1e30, or zero),
+    is refused whatever the limits: its square would not be finite.
+    """
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-        raise ConfigError(f"{field} = {value!r}: must be a number [{unit}]")
-    if not math.isfinite(value) and low == -math.inf and high == math.inf:
-        raise ConfigError(f"{field} = {value}: must be finite [{unit}]")
-    if not (math.isfinite(value) and low <= value <= high):
-        raise ConfigError(f"{field} = {value}: allowed is {low:g} to {high:g} [{unit}]")
-    return float(value)
+        raise ConfigError(f"{field} = {shown(value)}: must be a number [{unit}]")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    except TypeError:  # complex
+        raise ConfigError(f"{field} = {shown(value)}: must be a number [{unit}]") from None
+    if not math.isfinite(number) and low == -math.inf and high == math.inf:
+        raise ConfigError(f"{field} = {shown(value)}: must be finite [{unit}]")
+    if not (math.isfinite(number) and low <= value <= high):  # value: an integer is exact
+        raise ConfigError(f"{field} = {shown(value)}: allowed is {low:g} to {high:g} [{unit}]")
+    if number and not _TINY <= abs(number) <= _HUGE:
+        raise ConfigError(
+            f"{field} = {shown(value)}: allowed is 0, or {_TINY:g} to {_HUGE:g} in size [{unit}]"
+        )
+    return number
 
 
 def check_fields(section: str, item: object, ranges: dict[str, tuple[float, float, str]]) -> None:
@@ -103,77 +183,6 @@ def check_fields(section: str, item: object, ranges: dict[str, tuple[float, floa
         for number in value.ravel().tolist() if isinstance(value, np.ndarray) else [value]:
             if number is not None:
                 check_number(f"{section}.{name}", number, low, high, unit)
-
-
-# Byte order marks; the longer ones first, since that of UTF-16 begins that of UTF-32.
-_MARKS = {
-    codecs.BOM_UTF8: "utf-8",
-    codecs.BOM_UTF32_LE: "utf-32-le",
-    codecs.BOM_UTF32_BE: "utf-32-be",
-    codecs.BOM_UTF16_LE: "utf-16-le",
-    codecs.BOM_UTF16_BE: "utf-16-be",
-}
-_WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # xlsx and ods; xls
-
-
-def read_text(path: str | Path, fallback: str | None = None) -> str:
-    r"""Text of a file, its lines ended by ``\n``; every reader of text goes through here.
-
-    A byte order mark (UTF-8, UTF-16, UTF-32) is obeyed and left out; without one the file is in
-    UTF-8.
-
-    Parameters
-    ----------
-    path : path-like
-    fallback : str, optional
-        Encoding of a file that is not in UTF-8. Without it such a file is refused.
-
-    Raises
-    ------
-    ConfigError
-        No such file, one that cannot be read, or not a text file; the message says what to do.
-    """
-    path = Path(path)
-    try:
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise ConfigError(f"{path}: no such file") from None
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
-    text = _decoded(path, data, fallback)
-    return text.replace("\r\n", "\n").replace("\r", "\n")
-
-
-def _decoded(path: Path, data: bytes, fallback: str | None) -> str:
-    mark = next((mark for mark in _MARKS if data.startswith(mark)), b"")
-    if not mark and data.startswith(_WORKBOOKS):
-        raise ConfigError(f"{path}: a workbook, not a text file; save the sheet as 'CSV UTF-8'")
-    if not mark and b"\0" in data:
-        raise ConfigError(
-            f"{path}: holds zero bytes: not a text file, or UTF-16 without a byte order mark; save "
-            "it as UTF-8"
-        )
-    encoding = _MARKS.get(mark, "utf-8")
-    try:
-        return data[len(mark) :].decode(encoding)
-    except UnicodeDecodeError as error:
-        if not mark and fallback is not None:
-            return data.decode(fallback, errors="replace")
-        line = data[: error.start].count(b"\n") + 1
-        where = f"{path}:{line}" if encoding == "utf-8" else f"{path}"
-        raise ConfigError(
-            f"{where}: not in {encoding.upper()} (byte 0x{data[len(mark) + error.start]:02x}); "
-            "save the file as UTF-8"
-        ) from None
-
-
-def read_toml(path: str | Path) -> dict[str, Any]:
-    """Read a TOML file; a missing or malformed file is a ConfigError with its path."""
-    text = read_text(path)
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{path}: not a valid TOML file: {error}") from None
 
 
 def build(cls: type, values: Mapping[str, Any], where: str) -> Any:
@@ -198,7 +207,7 @@ def build(cls: type, values: Mapping[str, Any], where: str) -> Any:
     fields = {f.name: f for f in dataclasses.fields(cls) if f.init}
     for key in values:
         if key not in fields:
-            raise ConfigError(f"{where}: unknown key {key!r};{nearest(key, fields)}")
+            raise ConfigError(f"{where}: unknown key {shown(key)};{nearest(key, fields)}")
     made = {}
     for name, field in fields.items():
         if name in values:
@@ -218,18 +227,18 @@ def _convert(kind: Any, value: Any, where: str) -> Any:
         if dataclasses.is_dataclass(value):
             return value
         if not isinstance(value, Mapping):
-            raise ConfigError(f"{where} = {value!r}: must be a table of keys")
+            raise ConfigError(f"{where} = {shown(value)}: must be a table of keys")
         return build(kind, value, where)
     if typing.get_origin(kind) is tuple:
         if not isinstance(value, list | tuple | np.ndarray):
-            raise ConfigError(f"{where} = {value!r}: must be a list")
+            raise ConfigError(f"{where} = {shown(value)}: must be a list")
         return tuple(_convert(typing.get_args(kind)[0], item, where) for item in value)
     if typing.get_origin(kind) is dict:
         kind = dict
     if kind is float:
         return check_number(where, value)
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-        raise ConfigError(f"{where} = {value!r}: must be of type {kind.__name__}")
+        raise ConfigError(f"{where} = {shown(value)}: must be of type {kind.__name__}")
     return value
 
 

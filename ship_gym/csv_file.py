@@ -23,7 +23,8 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import UNITS, ConfigError, nearest, read_text
+from ship_gym.config import UNITS, ConfigError, nearest
+from ship_gym.reading import read_text
 
 _HEADER_KEYS = ("title", "source", "obtained", "conventions")
 _SEPARATORS = ";,\t"

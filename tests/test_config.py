@@ -3,16 +3,8 @@ import math
 
 import pytest
 
-from ship_gym.config import (
-    ConfigError,
-    build,
-    check_angle,
-    check_known,
-    check_number,
-    merged,
-    read_text,
-    read_toml,
-)
+from ship_gym.config import ConfigError, build, check_angle, check_known, check_number, merged
+from ship_gym.reading import read_text, read_toml
 
 
 @dataclasses.dataclass(frozen=True)

@@ -17,8 +17,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, build, read_toml
+from ship_gym.config import ConfigError, build
 from ship_gym.provenance import atomic_path
+from ship_gym.reading import read_toml
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks import TASKS
 

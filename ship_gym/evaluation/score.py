@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number, read_text
+from ship_gym.config import ConfigError, check_known, check_number
 from ship_gym.evaluation.metrics import all_metrics
 from ship_gym.evaluation.statistics import (
     Estimate,
@@ -25,6 +25,7 @@ from ship_gym.evaluation.statistics import (
     interquartile_weights,
     tails,
 )
+from ship_gym.reading import read_text
 
 VERSION = "ShipBench-1"
 FILE = Path(__file__).with_name("shipbench_1.json")

@@ -11,9 +11,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, build, check_known, read_toml
+from ship_gym.config import ConfigError, build, check_known
 from ship_gym.evaluation.manoeuvres.definition import Manoeuvre
 from ship_gym.provenance import sha256
+from ship_gym.reading import read_toml
 
 ALL = "all"
 KINDS = ("episodes", "manoeuvres")

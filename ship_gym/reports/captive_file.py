@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from ship_gym.captive import AXES, PARTS, Condition
-from ship_gym.config import ConfigError, check_number, read_text
+from ship_gym.config import ConfigError, check_number
 from ship_gym.csv_file import read_csv
+from ship_gym.reading import read_text
 from ship_gym.ships.particulars import Ship
 
 _NEEDED = ("speed", "n")

@@ -13,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError, read_text
+from ship_gym.config import ConfigError
+from ship_gym.reading import read_text
 from ship_gym.reports.case import Case
 from ship_gym.ships.particulars import Ship
 

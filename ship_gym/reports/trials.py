@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import read_toml
 from ship_gym.csv_file import read_csv
 from ship_gym.provenance import atomic_path, git_commit
+from ship_gym.reading import read_toml
 from ship_gym.reports.case import Case
 from ship_gym.reports.measures import (
     DIRECTIONS,

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
-from ship_gym.config import ConfigError, build, check_known, check_number, merged, read_toml
+from ship_gym.config import ConfigError, build, check_known, check_number, merged
+from ship_gym.reading import read_toml
 from ship_gym.scenarios.sea_range import SeaRange
 from ship_gym.scenarios.sections import Failure, Randomisation, Sensors
 from ship_gym.tasks import TASKS, bridge, measures, privileged

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError, build, check_angle, check_known, check_number, read_toml
+from ship_gym.config import ConfigError, build, check_angle, check_known, check_number
+from ship_gym.reading import read_toml
 from ship_gym.sea.components import (
     WaveComponents,
     omega_of_length,

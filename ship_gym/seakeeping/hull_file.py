@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number, read_text
+from ship_gym.config import ConfigError, check_known, check_number
+from ship_gym.reading import read_text
 from ship_gym.seakeeping.hull_checks import check_mesh, check_panels, check_place
 from ship_gym.seakeeping.hull_mesh import HullMesh, starboard_half, welded
 from ship_gym.seakeeping.hull_sections import coarsened

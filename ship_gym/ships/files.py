@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, check_known, read_toml
+from ship_gym.config import ConfigError, check_known
+from ship_gym.reading import read_toml
 
 DATA = Path(__file__).parent / "data"
 Named = str | os.PathLike  # a ship of the package by name, or a ship file by its path

@@ -12,17 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import (
-    ConfigError,
-    build,
-    check_known,
-    check_number,
-    merged,
-    nearest,
-    read_toml,
-)
+from ship_gym.config import ConfigError, build, check_known, check_number, merged, nearest
 from ship_gym.csv_file import read_csv
 from ship_gym.provenance import sha256
+from ship_gym.reading import read_toml
 from ship_gym.ships.b_series import b_series
 from ship_gym.ships.estimators import estimated_hull
 from ship_gym.ships.files import (

@@ -18,8 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, read_text
+from ship_gym.config import ConfigError, check_known
 from ship_gym.provenance import atomic_path
+from ship_gym.reading import read_text
 from ship_gym.tracks.track import Track, checked_origin, proj_definition
 
 LARGEST_COUNT = 500  # way-points

@@ -8,9 +8,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, build, merged, nearest, read_text, read_toml
+from ship_gym.config import ConfigError, build, merged, nearest
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.evaluation.metrics import metrics_of
+from ship_gym.reading import read_text, read_toml
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym_agents.forms.helm import Helm

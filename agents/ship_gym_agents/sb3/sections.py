@@ -11,15 +11,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import (
-    ConfigError,
-    build,
-    check_known,
-    check_number,
-    merged,
-    nearest,
-    read_toml,
-)
+from ship_gym.config import ConfigError, build, check_known, check_number, merged, nearest
+from ship_gym.reading import read_toml
 from ship_gym_agents.forms.form import Form
 from ship_gym_agents.sb3.options import (
     OPTIONS,

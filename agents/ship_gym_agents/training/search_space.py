@@ -13,7 +13,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, check_known, read_toml
+from ship_gym.config import ConfigError, check_known
+from ship_gym.reading import read_toml
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.sb3.sections import partial
 

@@ -1,0 +1,188 @@
+"""Files to plain values, one reader for each format: text of any encoding, TOML, JSON, npz.
+
+Whatever a parser or numpy raises for a damaged file becomes one line with the file's name, so that
+who reads a file needs to know no kinds of error. What the values mean is the caller's to check.
+Nothing here runs code of a file.
+"""
+
+from __future__ import annotations
+
+import codecs
+import contextlib
+import io
+import json
+import os
+import stat
+import tomllib
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ship_gym.config import ConfigError, nearest, shown
+
+MOST = 1 << 29  # [bytes] of a file, packed or not
+_MOST_TEXT = 1 << 26  # [bytes] of a file of text
+
+# Byte order marks; the longer ones first, since that of UTF-16 begins that of UTF-32.
+_MARKS = {
+    codecs.BOM_UTF8: "utf-8",
+    codecs.BOM_UTF32_LE: "utf-32-le",
+    codecs.BOM_UTF32_BE: "utf-32-be",
+    codecs.BOM_UTF16_LE: "utf-16-le",
+    codecs.BOM_UTF16_BE: "utf-16-be",
+}
+_WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # xlsx and ods; xls
+
+
+def read_bytes(path: str | os.PathLike, most: int = MOST) -> bytes:
+    """Bytes of a file of at most `most` bytes.
+
+    Raises
+    ------
+    ConfigError
+        No such file, no regular file (a device or a pipe may never end), one that cannot be read
+        or is too large.
+    """
+    try:
+        with open(path, "rb", opener=_opened) as file:
+            state = os.fstat(file.fileno())
+            if not stat.S_ISREG(state.st_mode):
+                raise ConfigError(f"{path}: allowed is a file, not a device, a pipe or a folder")
+            if state.st_size > most:
+                raise ConfigError(f"{path}: {state.st_size} bytes: allowed are at most {most}")
+            return file.read(most)
+    except FileNotFoundError:
+        raise ConfigError(f"{path}: no such file") from None
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except ValueError as error:  # a name with a zero byte
+        raise ConfigError(f"{shown(str(path))}: no file has such a name: {error}") from None
+
+
+def _opened(name: str, flags: int) -> int:
+    """Open without waiting for somebody to write into a pipe."""
+    return os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
+
+
+@contextlib.contextmanager
+def read_as(path: str | os.PathLike, what: str) -> Iterator[None]:
+    """Turn whatever a parser or numpy raises in the block into a ``ConfigError`` of one line.
+
+    For the step from bytes to plain values alone: what the values mean is checked afterwards, by
+    names and ranges.
+
+    Parameters
+    ----------
+    path : path-like
+        For the message, as is `what`, such as "a TOML file".
+    """
+    try:
+        yield
+    except ConfigError:
+        raise
+    except RecursionError:
+        raise ConfigError(f"{path}: not {what}: nested too deep") from None
+    except Exception as error:
+        told = str(error).strip() or type(error).__name__
+        if isinstance(error, KeyError):
+            told = f"no {told}"
+        raise ConfigError(f"{path}: not {what}, or damaged: {told}") from None
+
+
+def read_text(path: str | Path, fallback: str | None = None) -> str:
+    r"""Text of a file, its lines ended by ``\n``; every reader of text goes through here.
+
+    A byte order mark (UTF-8, UTF-16, UTF-32) is obeyed and left out; without one the file is in
+    UTF-8.
+
+    Parameters
+    ----------
+    path : path-like
+    fallback : str, optional
+        Encoding of a file that is not in UTF-8. Without it such a file is refused.
+
+    Raises
+    ------
+    ConfigError
+        No such file, one that cannot be read, or not a text file; the message says what to do.
+    """
+    path = Path(path)
+    data = read_bytes(path, _MOST_TEXT)
+    text = _decoded(path, data, fallback)
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _decoded(path: Path, data: bytes, fallback: str | None) -> str:
+    mark = next((mark for mark in _MARKS if data.startswith(mark)), b"")
+    if not mark and data.startswith(_WORKBOOKS):
+        raise ConfigError(f"{path}: a workbook, not a text file; save the sheet as 'CSV UTF-8'")
+    if not mark and b"\0" in data:
+        raise ConfigError(
+            f"{path}: holds zero bytes: not a text file, or UTF-16 without a byte order mark; save "
+            "it as UTF-8"
+        )
+    encoding = _MARKS.get(mark, "utf-8")
+    try:
+        return data[len(mark) :].decode(encoding)
+    except UnicodeDecodeError as error:
+        if not mark and fallback is not None:
+            return data.decode(fallback, errors="replace")
+        line = data[: error.start].count(b"\n") + 1
+        where = f"{path}:{line}" if encoding == "utf-8" else f"{path}"
+        raise ConfigError(
+            f"{where}: not in {encoding.upper()} (byte 0x{data[len(mark) + error.start]:02x}); "
+            "save the file as UTF-8"
+        ) from None
+
+
+def read_toml(path: str | os.PathLike) -> dict[str, Any]:
+    """Read a TOML file; a missing or malformed file is a ConfigError with its path."""
+    text = read_text(path)
+    with read_as(path, "a valid TOML file"):
+        return tomllib.loads(text)
+
+
+def read_json(path: str | os.PathLike) -> Any:
+    """Read a JSON file of numbers, texts, lists and mappings; its numbers are finite."""
+    return parsed_json(read_text(path), path)
+
+
+def parsed_json(text: str | bytes, path: str | os.PathLike) -> Any:
+    """Values of a text in JSON, as `read_json` reads one; `path` is for the message."""
+    with read_as(path, "valid JSON"):
+        return json.loads(text, parse_constant=_no_number)
+
+
+def _no_number(name: str) -> None:
+    raise ValueError(f"{name} is no number of JSON")
+
+
+def read_npz(path: str | os.PathLike, *names: str) -> dict[str, np.ndarray]:
+    """Arrays of an npz file; an array of objects, which would be a pickle, is refused.
+
+    Parameters
+    ----------
+    path : path-like
+    *names : str
+        Arrays that must be there; others are read too.
+    """
+    data = read_bytes(path)
+    with read_as(path, "an npz file"), np.load(io.BytesIO(data), allow_pickle=False) as found:
+        if not isinstance(found, np.lib.npyio.NpzFile):
+            raise ValueError("holds one array without a name")
+        _check_unpacked(found.zip)
+        arrays = {name: found[name] for name in found.files}
+    for name in names:
+        if name not in arrays:
+            raise ConfigError(f"{path}: no array {name!r};{nearest(name, arrays)}")
+    return arrays
+
+
+def _check_unpacked(archive: zipfile.ZipFile) -> None:
+    """Refuse an archive whose files are larger than memory should be."""
+    size = sum(entry.file_size for entry in archive.infolist())
+    if size > MOST:
+        raise ValueError(f"{size} bytes when unpacked, allowed are at most {MOST}")
