@@ -201,8 +201,27 @@ def build(cls: type, values: Mapping[str, Any], where: str) -> Any:
     Raises
     ------
     ConfigError
-        Unknown key (with the nearest one), missing key, or a value of the wrong type.
+        Unknown key (with the nearest one), missing key, a value of the wrong type, or one that a
+        dataclass refuses; every line begins with `where`.
     """
+    with told_of(where):
+        return _build(cls, values, where)
+
+
+@contextlib.contextmanager
+def told_of(where: object) -> Iterator[None]:
+    """Put `where`, such as the name of a file, before each line of a ``ConfigError``, once."""
+    try:
+        yield
+    except ConfigError as error:
+        lines = str(error).splitlines()
+        if all(line.startswith(str(where)) for line in lines):
+            raise
+        told = [line if line.startswith(str(where)) else f"{where}: {line}" for line in lines]
+        raise ConfigError("\n".join(told)) from None
+
+
+def _build(cls: type, values: Mapping[str, Any], where: str) -> Any:
     hints = typing.get_type_hints(cls)
     fields = {f.name: f for f in dataclasses.fields(cls) if f.init}
     for key in values:
@@ -228,13 +247,18 @@ def _convert(kind: Any, value: Any, where: str) -> Any:
             return value
         if not isinstance(value, Mapping):
             raise ConfigError(f"{where} = {shown(value)}: must be a table of keys")
-        return build(kind, value, where)
+        return _build(kind, value, where)
     if typing.get_origin(kind) is tuple:
         if not isinstance(value, list | tuple | np.ndarray):
             raise ConfigError(f"{where} = {shown(value)}: must be a list")
         return tuple(_convert(typing.get_args(kind)[0], item, where) for item in value)
-    if typing.get_origin(kind) is dict:
-        kind = dict
+    if dict in (kind, typing.get_origin(kind)):
+        if not isinstance(value, Mapping):
+            raise ConfigError(f"{where} = {shown(value)}: must be a table of keys")
+        of_values = (typing.get_args(kind) or (str, Any))[1]
+        return {key: _convert(of_values, v, f"{where}.{key}") for key, v in value.items()}
+    if kind is Any:
+        return value
     if kind is float:
         return check_number(where, value)
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
