@@ -276,6 +276,10 @@ class Ship:
         "section.field" to the source of its number.
     estimated : dict
         "section.field" to the reason, for every number that no source prints for this ship.
+    strict : bool
+        False: numbers outside the ranges of ``plausible`` are a warning, not an error.
+    implausible : tuple of str
+        A line for each such number; empty if the ship is strict.
     """
 
     name: str
@@ -303,6 +307,8 @@ class Ship:
     share: float = 1.0
     sources: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
     estimated: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
+    strict: bool = True
+    implausible: tuple[str, ...] = ()
 
     @property
     def mass(self) -> float:
@@ -359,6 +365,7 @@ class Ship:
         ]
         lines += [f"  {line}" for line in powering_text(self)]
         lines += [f"  estimated {name}: {why}" for name, why in self.estimated.items()]
+        lines += [f"  implausible {line}" for line in self.implausible]
         return "\n".join(lines)
 
     def froude(self, speed: float) -> float:
