@@ -93,7 +93,7 @@ class Run:
         self.episodes = state["episodes"] if state else EPISODES[0]
         self._validated = state["validated"] if state else 0.0  # seconds of validations
         self._cost, self._due, self._kept = 0.0, 0.0, time.monotonic()
-        self.best = self._earlier_best() if self.validations else None
+        self.best = load_policy(folder.path) if self.validations else None
         self.chosen: dict[str, Any] | None = self.best.card["best"] if self.best else None
         self._told = (told or {}) | self._of_before | provenance()
         self.final: dict[str, Any] | None = None
@@ -115,11 +115,6 @@ class Run:
             self.folder.clear()
         self._recordings.keep_first(len(state["validations"]) if state else 0)
         return state
-
-    def _earlier_best(self) -> Any:
-        """The best policy of the run to resume; older versions kept it outside of checkpoints."""
-        inside = self.checkpoint / POLICY_FILE
-        return load_policy(inside if inside.is_file() else self.folder.path)
 
     @property
     def name(self) -> str:
