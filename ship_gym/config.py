@@ -235,6 +235,8 @@ def told_of(where: object) -> Iterator[None]:
 
 
 def _build(cls: type, values: Mapping[str, Any], where: str) -> Any:
+    if not isinstance(values, Mapping):
+        raise ConfigError(f"{where} = {shown(values)}: must be a table of keys")
     hints = typing.get_type_hints(cls)
     fields = {f.name: f for f in dataclasses.fields(cls) if f.init}
     findings, made = Findings(), {}
@@ -265,8 +267,6 @@ def _convert(kind: Any, value: Any, where: str) -> Any:
     if dataclasses.is_dataclass(kind):
         if dataclasses.is_dataclass(value):
             return value
-        if not isinstance(value, Mapping):
-            raise ConfigError(f"{where} = {shown(value)}: must be a table of keys")
         return _build(kind, value, where)
     if typing.get_origin(kind) is tuple:
         if not isinstance(value, list | tuple | np.ndarray):

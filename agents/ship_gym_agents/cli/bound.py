@@ -43,6 +43,7 @@ def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out
     Intervals: 95 % bootstrap over the episodes.
     """
     from ship_gym.evaluation import evaluation_seeds
+    from ship_gym.provenance import held
     from ship_gym_agents.cli.output import place, progress, show
     from ship_gym_agents.cli.sailing import own_task, resolved, wanted
 
@@ -53,9 +54,10 @@ def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out
     made = _controllers(scenario, controllers)
     how = {"seeds": evaluation_seeds(seeds), "iterations": iterations, **env}
     how |= {"progress": lambda steps, text: progress(steps, text, iterations)}
-    found = _front(made, measure, lambdas, how) if lambdas else _best(made, measure, how)
-    text = found.pop("text")
-    _write(found, out)
+    with held(out, "works on this file"):
+        found = _front(made, measure, lambdas, how) if lambdas else _best(made, measure, how)
+        text = found.pop("text")
+        _write(found, out)
     show(as_json, {**found, "file": str(out)}, f"{text}\n\nwrote {out}")
 
 

@@ -54,6 +54,7 @@ def command(as_json, controllers, ships, task, resume, out, structure, begin, **
     """
     import dataclasses
 
+    from ship_gym.provenance import held
     from ship_gym_agents.cli.output import next_command, show
     from ship_gym_agents.gains_files import write_gains
     from ship_gym_agents.tuning import gains_file, is_tuned
@@ -66,10 +67,11 @@ def command(as_json, controllers, ships, task, resume, out, structure, begin, **
         if resume and is_tuned(job.kind, job.ship, how, job.path):
             lines = [f"{job.name} for {job.ship}: tuned already"]
         else:
-            tuned = _tune(job, env, chosen, begin, options)
-            made = gains_file(tuned, how)
+            with held(job.path, "tunes into this file"):
+                tuned = _tune(job, env, chosen, begin, options)
+                made = gains_file(tuned, how)
+                lines = _told(job, tuned, write_gains(made, job.path))
             found[f"{job.name}/{job.ship}"] = dataclasses.asdict(made)
-            lines = _told(job, tuned, write_gains(made, job.path))
         if not as_json:  # at once: the next ship takes minutes
             click.echo("\n".join(lines))
     sailed = {"ship": job.ship, "scenario": env["scenario"]}

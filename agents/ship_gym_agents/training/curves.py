@@ -11,7 +11,8 @@ from typing import Any
 
 from ship_gym.provenance import atomic_path
 from ship_gym_agents.sb3.config import CARD_FILE
-from ship_gym_agents.training.run_folder import CURVE_FILE, CURVE_PICTURE
+
+CURVE_FILE, CURVE_PICTURE = "curve.csv", "curve.png"
 
 
 def write_curve(validations: Sequence[Mapping[str, Any]], path: str | Path) -> None:
