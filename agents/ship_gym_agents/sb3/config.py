@@ -12,12 +12,13 @@ from typing import Any
 from ship_gym.config import ConfigError, build, merged, nearest, shown, told_of
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.evaluation.metrics import metrics_of
-from ship_gym.keys import Keys, read_keys
+from ship_gym.keys import Keys
 from ship_gym.reading import read_toml
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym_agents.forms.helm import Helm
 from ship_gym_agents.sb3.options import OPTIONS
+from ship_gym_agents.sb3.run_card import CARD_FILE, read_run_card
 from ship_gym_agents.sb3.sections import (
     SECTIONS,
     Hyperparameters,
@@ -28,7 +29,6 @@ from ship_gym_agents.sb3.sections import (
 
 __all__ = ["OPTIONS", "Hyperparameters", "RunConfig", "load_hyperparameters", "run_config"]
 
-CARD_FILE = "card.json"
 RECIPES = Path(__file__).parents[1] / "recipes"
 
 
@@ -212,7 +212,7 @@ def read_card(out: Path) -> dict[str, Any]:
     file = out / CARD_FILE
     if not file.is_file():
         raise ConfigError(f"{out}: no run to resume here (no {CARD_FILE})")
-    return dict(read_keys(file).values)
+    return read_run_card(file)
 
 
 def is_config_of(out: str | Path, config: RunConfig) -> bool:

@@ -85,5 +85,5 @@ def _check_final(card: Keys) -> None:
     final.text("text", "")
     _check_validation(final.table("policy"))
     for _, reference in final.table("references", {}).tables():
-        reference.value("validation")
+        reference.table("validation", {})
         reference.table("difference").text("verdict")
