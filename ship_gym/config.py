@@ -33,14 +33,14 @@ class ConfigError(ValueError):
     """
 
     def __init__(self, text: object = ""):
-        super().__init__("\n".join(map(_cut, str(text).splitlines() or [""])))
+        super().__init__("\n".join(map(cut, str(text).splitlines() or [""])))
 
 
 class ImplausibleShip(UserWarning):
     """Numbers that no published ship has, in a ship whose file says ``strict = false``."""
 
 
-def _cut(line: str, most: int = LONGEST) -> str:
+def cut(line: str, most: int = LONGEST) -> str:
     """A line without its middle, where it is longer than `most` characters."""
     line = "".join(c if c.isprintable() else " " for c in line)
     if len(line) <= most:
@@ -62,7 +62,7 @@ def shown(value: object, most: int = 60) -> str:
     elif isinstance(value, int) and value.bit_length() > 200:
         return f"an integer of {value.bit_length()} bits"
     try:
-        return _cut(repr(value), most)
+        return cut(repr(value), most)
     except (ValueError, RecursionError):
         return f"a {type(value).__name__} that cannot be printed"
 
@@ -283,6 +283,8 @@ def _convert(kind: Any, value: Any, where: str) -> Any:
         return check_number(where, value)
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
         raise ConfigError(f"{where} = {shown(value)}: must be of type {kind.__name__}")
+    if kind is int and value.bit_length() > 63:
+        raise ConfigError(f"{where} = {shown(value)}: must be less than 2^63 in size")
     return value
 
 

@@ -145,7 +145,11 @@ def _decoded(path: Path, data: bytes, fallback: str | None) -> str:
 
 def read_toml(path: str | os.PathLike) -> dict[str, Any]:
     """Read a TOML file; a missing or malformed file is a ConfigError with its path."""
-    text = read_text(path)
+    return parsed_toml(read_text(path), path)
+
+
+def parsed_toml(text: str, path: str | os.PathLike) -> dict[str, Any]:
+    """Values of a text in TOML, as `read_toml` reads one; `path` is for the message."""
     if any(len(_DOT.findall(part)) > _DEEPEST for part in _PARTS.split(text)):
         raise ConfigError(f"{path}: not a valid TOML file: a key of more than {_DEEPEST} parts")
     with read_as(path, "a valid TOML file"):
