@@ -21,6 +21,7 @@ import numpy as np
 from ship_gym.conventions import KNOT
 
 LONGEST = 300  # characters of a line of an error
+_KNOWN = "Known: "  # before a list of names
 MOST_FINDINGS = 100  # lines of an error
 _TINY, _HUGE = 1e-30, 1e30  # no quantity of a ship or a sea is smaller, but zero, or larger
 
@@ -41,12 +42,27 @@ class ImplausibleShip(UserWarning):
 
 
 def cut(line: str, most: int = LONGEST) -> str:
-    """A line without its middle, where it is longer than `most` characters."""
+    """A line of at most `most` characters: of a longer one parts are left out.
+
+    First of the list of what is known, then of its longest word, which is a path or a value, so
+    that what is said of them stays.
+    """
     line = "".join(c if c.isprintable() else " " for c in line)
     if len(line) <= most:
         return line
+    told, known, names = line.rpartition(_KNOWN)
+    if known and len(told) <= most - 50:
+        return told + known + _without_middle(names, most - len(told) - len(known))
+    word = max(line.split(" "), key=len)
+    left = len(word) - (len(line) - most)
+    if left < 30:
+        return _without_middle(line, most)
+    return line.replace(word, _without_middle(word, left), 1)
+
+
+def _without_middle(text: str, most: int) -> str:
     half = (most - 5) // 2
-    return f"{line[:half]} ... {line[-half:]}"
+    return f"{text[:half]} ... {text[-half:]}"
 
 
 def shown(value: object, most: int = 60) -> str:
@@ -138,7 +154,7 @@ def nearest(name: object, known: Iterable[str]) -> str:
     known = sorted(str(k) for k in known)
     close = difflib.get_close_matches(shown(name)[:80].strip("'"), known, n=1, cutoff=0.4)
     guess = f" did you mean {close[0]!r}?" if close else ""
-    return f"{guess} Known: {', '.join(known)}"
+    return f"{guess} {_KNOWN}{', '.join(known)}"
 
 
 def check_known(kind: str, name: str, known: Iterable[str]) -> str:
@@ -268,10 +284,10 @@ def _convert(kind: Any, value: Any, where: str) -> Any:
         if dataclasses.is_dataclass(value):
             return value
         return _build(kind, value, where)
-    if typing.get_origin(kind) is tuple:
+    if (sequence := typing.get_origin(kind)) in (tuple, list):
         if not isinstance(value, list | tuple | np.ndarray):
             raise ConfigError(f"{where} = {shown(value)}: must be a list")
-        return tuple(_convert(typing.get_args(kind)[0], item, where) for item in value)
+        return sequence(_convert(typing.get_args(kind)[0], item, where) for item in value)
     if dict in (kind, typing.get_origin(kind)):
         if not isinstance(value, Mapping):
             raise ConfigError(f"{where} = {shown(value)}: must be a table of keys")

@@ -3,7 +3,16 @@ import math
 
 import pytest
 
-from ship_gym.config import ConfigError, build, check_angle, check_known, check_number, merged
+from ship_gym.config import (
+    LONGEST,
+    ConfigError,
+    build,
+    check_angle,
+    check_known,
+    check_number,
+    cut,
+    merged,
+)
 from ship_gym.reading import read_text, read_toml
 
 
@@ -123,3 +132,14 @@ def test_read_text_falls_back_only_where_it_may(tmp_path):
         read_text(path)
     with pytest.raises(ConfigError, match="cannot be read"):
         read_text(tmp_path)
+
+
+def test_a_long_line_loses_what_says_least():
+    known = ", ".join(f"name_{k}" for k in range(100))
+    line = cut(f"mine.toml: unknown key 'nam'; did you mean 'name_1'? Known: {known}")
+    assert line.startswith("mine.toml: unknown key 'nam'; did you mean 'name_1'? Known: name_0, ")
+    assert line.endswith("name_99") and len(line) <= LONGEST
+    line = cut(f"/tmp/{'a' * 400}/mine.toml: draught = 7: allowed is 1 to 2 [m]; give another one")
+    assert line.endswith("/mine.toml: draught = 7: allowed is 1 to 2 [m]; give another one")
+    assert len(line) == LONGEST or len(line) == LONGEST - 1
+    assert len(cut("a " * 400)) <= LONGEST
