@@ -21,6 +21,7 @@ import numpy as np
 from ship_gym.conventions import KNOT
 
 LONGEST = 300  # characters of a line of an error
+_MOST_NAMES = 100  # characters of the known names in it
 _LONG_PATH = re.compile(
     r"[^\s'\"]{20,}(/[^\s'\"/]*/[^\s'\"/]*/[^\s'\"/]*)"
 )  # and its last three names
@@ -127,11 +128,15 @@ UNITS: dict[str, tuple[float, str]] = {
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
-    """Text ``did you mean 'x'? Known: ...`` for an unknown name."""
+    """Text ``did you mean 'x'? Known: ...`` for an unknown name; of many names the first ones."""
     known = sorted(str(k) for k in known)
     close = difflib.get_close_matches(shown(name)[:80].strip("'"), known, n=1, cutoff=0.4)
     guess = f" did you mean {close[0]!r}?" if close else ""
-    return f"{guess} Known: {', '.join(known)}"
+    names = ", ".join(known)
+    if len(names) > _MOST_NAMES:
+        fitting = names[:_MOST_NAMES].rpartition(", ")[0]
+        names = f"{fitting} and {len(known) - fitting.count(', ') - 1} more"
+    return f"{guess} Known: {names}"
 
 
 def check_known(kind: str, name: str, known: Iterable[str]) -> str:

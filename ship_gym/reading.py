@@ -170,7 +170,8 @@ def read_npz(path: str | os.PathLike, *names: str) -> dict[str, np.ndarray]:
         Arrays that must be there; others are read too.
     """
     data = read_bytes(path)
-    with read_as(path, "an npz file"), np.load(io.BytesIO(data), allow_pickle=False) as found:
+    with read_as(path, "an npz file"):
+        found = np.load(io.BytesIO(data), allow_pickle=False)
         if not isinstance(found, np.lib.npyio.NpzFile):
             raise ValueError("holds one array without a name")
         _check_unpacked(found.zip)

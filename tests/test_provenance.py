@@ -61,7 +61,7 @@ def test_a_place_that_cannot_be_is_refused(tmp_path, place, folder, reason):
     (tmp_path / "folder").mkdir()
     (tmp_path / "file").touch()
     (tmp_path / "lost").symlink_to(tmp_path / "nowhere")
-    with pytest.raises(ConfigError, match=f"^--to {tmp_path}/{place}: .*{reason}$"):
+    with pytest.raises(ConfigError, match=f"^--to {tmp_path}/{place[:60]}.*: .*{reason}$"):
         check_place(tmp_path / place, "--to", folder)
 
 
