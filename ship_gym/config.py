@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import difflib
+import itertools
 import math
 import re
 import types
@@ -22,9 +23,9 @@ from ship_gym.conventions import KNOT
 
 LONGEST = 300  # characters of a line of an error
 _MOST_NAMES = 100  # characters of the known names in it
-_LONG_PATH = re.compile(
-    r"[^\s'\"]{20,}(/[^\s'\"/]*/[^\s'\"/]*/[^\s'\"/]*)"
-)  # and its last three names
+MOST_FINDINGS = 100  # lines of an error
+# a long path and its last three names
+_LONG_PATH = re.compile(r"[^\s'\"]{20,}(/[^\s'\"/]*/[^\s'\"/]*/[^\s'\"/]*)")
 _TINY, _HUGE = 1e-30, 1e30  # no quantity of a ship or a sea is smaller, but zero, or larger
 
 
@@ -37,6 +38,10 @@ class ConfigError(ValueError):
 
     def __init__(self, text: object = ""):
         super().__init__("\n".join(map(_cut, str(text).splitlines() or [""])))
+
+
+class ImplausibleShip(UserWarning):
+    """Numbers that no published ship has, in a ship whose file says ``strict = false``."""
 
 
 def _cut(line: str, most: int = LONGEST) -> str:
@@ -84,18 +89,25 @@ class Findings:
         self.lines: list[str] = []
 
     def add(self, text: str) -> None:
-        """Keep one line, once."""
-        if text not in self.lines:
-            self.lines.append(text)
+        """Keep one line, once; at most `MOST_FINDINGS` of them."""
+        if text not in self.lines and len(self.lines) <= MOST_FINDINGS:
+            full = len(self.lines) == MOST_FINDINGS
+            self.lines.append("more is wrong, see to these first" if full else text)
 
     @contextlib.contextmanager
-    def kept(self) -> Iterator[None]:
-        """Keep what a ``ConfigError`` in the block says, and go on after it."""
+    def kept(self, where: str = "") -> Iterator[None]:
+        """Keep what a ``ConfigError`` in the block says, and go on after it.
+
+        Parameters
+        ----------
+        where : str
+            Put before a line that does not begin with it, such as a file's name and a colon.
+        """
         try:
             yield
         except ConfigError as error:
             for line in str(error).splitlines():
-                self.add(line)
+                self.add(line if line.startswith(where) else f"{where} {line}")
 
     def tell(self) -> None:
         """Raise one ``ConfigError`` with a line for each finding, if there are any."""
@@ -212,20 +224,27 @@ def build(cls: type, values: Mapping[str, Any], where: str) -> Any:
     Raises
     ------
     ConfigError
-        Unknown key (with the nearest one), missing key, or a value of the wrong type.
+        A line for each unknown key (with the nearest one), missing key and value of a wrong type.
     """
     hints = typing.get_type_hints(cls)
     fields = {f.name: f for f in dataclasses.fields(cls) if f.init}
-    for key in values:
-        if key not in fields:
-            raise ConfigError(f"{where}: unknown key {shown(key)};{nearest(key, fields)}")
-    made = {}
+    findings, made = Findings(), {}
+    for key in unknown_keys(values, fields):
+        findings.add(f"{where}: unknown key {shown(key)};{nearest(key, fields)}")
     for name, field in fields.items():
         if name in values:
-            made[name] = _convert(hints[name], values[name], f"{where}.{name}")
+            with findings.kept():
+                made[name] = _convert(hints[name], values[name], f"{where}.{name}")
         elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
-            raise ConfigError(f"{where}: missing key {name!r}")
+            findings.add(f"{where}: missing key {name!r}")
+    findings.tell()
     return cls(**made)
+
+
+def unknown_keys(values: Iterable[str], known: Iterable[str]) -> list[str]:
+    """Those of `values` that are not `known`, not more than an error has lines."""
+    known = set(known)
+    return list(itertools.islice((key for key in values if key not in known), MOST_FINDINGS + 1))
 
 
 def _convert(kind: Any, value: Any, where: str) -> Any:
