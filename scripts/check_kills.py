@@ -134,31 +134,32 @@ def _shared(todo: list[int], jobs: int, one: Any) -> None:
                 os._exit(1)
             os._exit(0)
         children.append(child)
-    if any([os.waitpid(child, 0)[1] for child in children]):
+    codes = [os.waitpid(child, 0)[1] for child in children]
+    if any(codes):
         raise ChildProcessError("a process that kills others ended early; call again to go on")
 
 
 def _known(work: Any, folder: Path) -> Known:
-    """Run without kills: here, which loads and compiles all, and in a process as those killed."""
+    """Load and compile all that is needed here, then run twice in processes of their own."""
     from _kill_works import names_in
     from _kills import forked
 
-    for place in ("first", "second"):
-        (folder / place / "case").mkdir(parents=True)
+    places = [folder / name / "case" for name in ("warm", "first", "second")]
+    for place in places:
+        place.mkdir(parents=True)
     before = Path.cwd()
-    os.chdir(folder / "first" / "case")
+    os.chdir(places[0])
     try:
-        _silently(work.run)
+        _silently(work.warm or work.run)
     finally:
         os.chdir(before)
-    there = folder / "second" / "case"
-    ended = forked(work.run, there)
-    if ended.how != "done":
-        raise ChildProcessError(f"a run that is not killed {ended.how}: {ended.said}")
-    result = work.result(there)
-    if _differing(result, work.result(folder / "first" / "case")):
-        raise ChildProcessError("two runs that are not killed differ")
-    return Known(result, names_in(there), ended.changes, ended.seconds)
+    runs = [forked(work.run, place) for place in places[1:]]
+    if said := [f"{one.how}: {one.said}" for one in runs if one.how != "done"]:
+        raise ChildProcessError(f"a run that is not killed does not come to its end: {said[0]}")
+    result, again = (work.result(place) for place in places[1:])
+    if different := _differing(result, again):
+        raise ChildProcessError(f"two runs that are not killed differ: {different}")
+    return Known(result, names_in(places[1]), runs[1].changes, runs[1].seconds)
 
 
 def _silently(run: Any) -> None:
