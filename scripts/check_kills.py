@@ -16,11 +16,11 @@ import numpy as np
 from _cli import parser, run, show
 
 HELP = """\
-Begin a tiny run of each kind of work, kill it (SIGKILL) at a random moment or just before a random
-change of a file, and look whether the folder is consistent; let it go on, kill that sometimes, too;
-let the last one come to its end, and compare with a run that was never killed. Every outcome goes
-into a log at once: killed itself, the same command goes on. Exit code 1: something that must not
-be. Needs a system that forks (Linux, macOS).
+Each case: begin a tiny run of a kind of work, kill it (SIGKILL) at a random moment or just before
+a random change of a file, and look whether the folder is consistent; let it go on, kill that
+sometimes, too; let the last one come to its end, and compare with a run that was never killed.
+Every outcome goes into a log at once: killed itself, the same command goes on. Exit code 1:
+something that must not be. Needs a system that forks (Linux, macOS).
 """
 EXAMPLES = (
     "python scripts/check_kills.py --kills 20",
@@ -48,7 +48,12 @@ def main() -> None:
     from ship_gym.text import table
 
     made = parser(HELP, EXAMPLES)
-    made.add_argument("--kills", type=int, default=20, help="of each kind of work (default 20)")
+    made.add_argument(
+        "--kills",
+        type=int,
+        default=20,
+        help="cases of each kind of work (default 20); some are killed more than once",
+    )
     made.add_argument("--works", nargs="*", metavar="NAME", help=f"of {', '.join(works())}")
     made.add_argument("--jobs", type=int, default=1, help="processes (default 1)")
     made.add_argument("--seed", type=int, default=0, help="of the moments (default 0)")
@@ -66,6 +71,7 @@ def main() -> None:
             _kill_all(name, works()[name], args)
         rows = [row for row in _logged(args) if row["work"] in names]
     found = {name: Counter(row["outcome"] for row in rows if row["work"] == name) for name in names}
+    kills = {name: sum(row["kills"] for row in rows if row["work"] == name) for name in names}
     lines = [
         [name, outcome, str(count), "" if outcome == GOOD else "BAD"]
         for name, counts in found.items()
@@ -73,8 +79,10 @@ def main() -> None:
     ]
     bad = sum(int(line[2]) for line in lines if line[3])
     data = {name: dict(counts) for name, counts in found.items()}
-    data |= {"kills": sum(row["kills"] for row in rows), "bad": bad, "log": str(args.log)}
-    text = f"{table(['work', 'outcome', 'count', ''], lines, 2)}\n\nwrote {args.log}"
+    data |= {"kills": kills, "bad": bad, "log": str(args.log)}
+    text = table(["work", "outcome", "cases", ""], lines, 2)
+    killed = ", ".join(f"{name} {count}" for name, count in kills.items())
+    text += f"\n\nkills: {killed}\nwrote {args.log}"
     show(args.json, data, text)
     if bad:
         sys.exit(1)
@@ -185,7 +193,8 @@ def _case_logged(name: str, work: Any, known: Known, args, folder: Path, number:
         case = Path(place) / "case"
         case.mkdir()
         outcome, moments = _case(work, known, case, rng)
-    row = {"work": name, "number": number, "outcome": outcome, "kills": len(moments)}
+    row = {"work": name, "number": number, "outcome": outcome}
+    row |= {"kills": sum(moment.startswith("killed") for moment in moments)}
     with args.log.open("a") as log:  # one short line in one go: others write here, too
         log.write(json.dumps(row | {"moments": moments}) + "\n")
 
