@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.unit import Sailed
-from ship_gym.provenance import atomic_path, locked
+from ship_gym.provenance import atomic_path, locked, sweep
 
 EPISODES = "episodes.parquet"
 REPORT = "report.html"
@@ -38,9 +38,16 @@ class RunFolder:
         """The table of all episodes."""
         return self.path / EPISODES
 
-    def locked(self) -> contextlib.AbstractContextManager[None]:
-        """Hold the folder; refused while another process does. Killing that one frees it."""
-        return locked(self.path / _LOCK, "benchmarks into this folder")
+    @contextlib.contextmanager
+    def locked(self) -> Iterator[None]:
+        """Hold the folder; refused while another process does. Killing that one frees it.
+
+        What killed ones left half is removed.
+        """
+        with locked(self.path / _LOCK, "benchmarks into this folder"):
+            for folder in (self.path, self._units, self.path / RECORDINGS):
+                sweep(folder)
+            yield
 
     def settings(self) -> dict[str, Any] | None:
         """Settings of the run in the folder; None if there is none.

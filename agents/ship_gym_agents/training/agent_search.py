@@ -81,6 +81,7 @@ def search(
     with held(out):
         _check_score(plan)
         _check_earlier(plan, out, resume)
+        _mend_journal(out / JOURNAL)
         study = _study(plan, out, 0)
         _clean(study, plan)
         ended = len(trials_of(plan, out))
@@ -116,6 +117,18 @@ def _check_earlier(plan: Plan, out: Path, resume: bool) -> None:
     with atomic_path(file) as temporary:
         told = {"plan": plan.plain, **provenance()}
         temporary.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+
+
+def _mend_journal(file: Path) -> None:
+    """Take what a killed search left in Optuna's journal: half a line, and its lock.
+
+    Nobody else writes it: the folder of the search is held.
+    """
+    for lock in file.parent.glob(f"{file.name}.lock*"):
+        lock.unlink(missing_ok=True)
+    if file.is_file() and not (data := file.read_bytes()).endswith(b"\n"):
+        with file.open("r+b") as journal:
+            journal.truncate(data.rfind(b"\n") + 1)
 
 
 def _study(plan: Plan, out: Path, number: int) -> Any:

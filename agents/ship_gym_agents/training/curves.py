@@ -11,7 +11,8 @@ from typing import Any
 
 from ship_gym.provenance import atomic_path
 from ship_gym_agents.sb3.config import CARD_FILE
-from ship_gym_agents.training.run_folder import CURVE_FILE, CURVE_PICTURE
+
+CURVE_FILE, CURVE_PICTURE = "curve.csv", "curve.png"
 
 
 def write_curve(validations: Sequence[Mapping[str, Any]], path: str | Path) -> None:
@@ -29,6 +30,14 @@ def read_curve(path: str | Path) -> dict[str, list[float | None]]:
     with Path(path).open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     return {n: [float(row[n]) if row[n] else None for row in rows] for n in (rows or [{}])[0]}
+
+
+def is_stale(folder: str | Path) -> bool:
+    """Whether the picture of a run is older than its curve, or missing."""
+    curve, picture = (Path(folder) / name for name in (CURVE_FILE, CURVE_PICTURE))
+    if not curve.is_file():
+        return False
+    return not picture.is_file() or picture.stat().st_mtime_ns < curve.stat().st_mtime_ns
 
 
 def draw_curves(out: str | Path, folders: Sequence[str | Path] | None = None) -> Path | None:
