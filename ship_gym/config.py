@@ -37,14 +37,14 @@ class ConfigError(ValueError):
     """
 
     def __init__(self, text: object = ""):
-        super().__init__("\n".join(map(_cut, str(text).splitlines() or [""])))
+        super().__init__("\n".join(map(cut, str(text).splitlines() or [""])))
 
 
 class ImplausibleShip(UserWarning):
     """Numbers that no published ship has, in a ship whose file says ``strict = false``."""
 
 
-def _cut(line: str, most: int = LONGEST) -> str:
+def cut(line: str, most: int = LONGEST) -> str:
     """A line of at most `most` characters: long paths lose their beginning, then it its middle."""
     line = "".join(c if c.isprintable() else " " for c in line)
     if len(line) > most:
@@ -68,7 +68,7 @@ def shown(value: object, most: int = 60) -> str:
     elif isinstance(value, int) and value.bit_length() > 200:
         return f"an integer of {value.bit_length()} bits"
     try:
-        return _cut(repr(value), most)
+        return cut(repr(value), most)
     except (ValueError, RecursionError):
         return f"a {type(value).__name__} that cannot be printed"
 
@@ -224,8 +224,29 @@ def build(cls: type, values: Mapping[str, Any], where: str) -> Any:
     Raises
     ------
     ConfigError
-        A line for each unknown key (with the nearest one), missing key and value of a wrong type.
+        A line for each unknown key (with the nearest one), missing key and value of a wrong type;
+        or what a dataclass refuses. Every line begins with `where`.
     """
+    with told_of(where):
+        return _build(cls, values, where)
+
+
+@contextlib.contextmanager
+def told_of(where: object) -> Iterator[None]:
+    """Put `where`, such as the name of a file, before each line of a ``ConfigError``, once."""
+    try:
+        yield
+    except ConfigError as error:
+        lines = str(error).splitlines()
+        if all(line.startswith(str(where)) for line in lines):
+            raise
+        told = [line if line.startswith(str(where)) else f"{where}: {line}" for line in lines]
+        raise ConfigError("\n".join(told)) from None
+
+
+def _build(cls: type, values: Mapping[str, Any], where: str) -> Any:
+    if not isinstance(values, Mapping):
+        raise ConfigError(f"{where} = {shown(values)}: must be a table of keys")
     hints = typing.get_type_hints(cls)
     fields = {f.name: f for f in dataclasses.fields(cls) if f.init}
     findings, made = Findings(), {}
@@ -256,19 +277,24 @@ def _convert(kind: Any, value: Any, where: str) -> Any:
     if dataclasses.is_dataclass(kind):
         if dataclasses.is_dataclass(value):
             return value
-        if not isinstance(value, Mapping):
-            raise ConfigError(f"{where} = {shown(value)}: must be a table of keys")
-        return build(kind, value, where)
+        return _build(kind, value, where)
     if typing.get_origin(kind) is tuple:
         if not isinstance(value, list | tuple | np.ndarray):
             raise ConfigError(f"{where} = {shown(value)}: must be a list")
         return tuple(_convert(typing.get_args(kind)[0], item, where) for item in value)
-    if typing.get_origin(kind) is dict:
-        kind = dict
+    if dict in (kind, typing.get_origin(kind)):
+        if not isinstance(value, Mapping):
+            raise ConfigError(f"{where} = {shown(value)}: must be a table of keys")
+        of_values = (typing.get_args(kind) or (str, Any))[1]
+        return {key: _convert(of_values, v, f"{where}.{key}") for key, v in value.items()}
+    if kind is Any:
+        return value
     if kind is float:
         return check_number(where, value)
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
         raise ConfigError(f"{where} = {shown(value)}: must be of type {kind.__name__}")
+    if kind is int and value.bit_length() > 63:
+        raise ConfigError(f"{where} = {shown(value)}: must be less than 2^63 in size")
     return value
 
 
