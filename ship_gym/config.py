@@ -20,7 +20,8 @@ import numpy as np
 from ship_gym.conventions import KNOT
 
 LONGEST = 300  # characters of a line of an error
-_TINY, _HUGE = 1e-30, 1e30  # no quantity of a ship or a sea is smaller, but zero, or larger
+# no quantity of a ship or a sea is smaller, but zero, or larger
+SMALLEST, LARGEST = 1e-30, 1e30
 
 
 class ConfigError(ValueError):
@@ -166,9 +167,10 @@ def check_number(
         raise ConfigError(f"{field} = {shown(value)}: must be finite [{unit}]")
     if not (math.isfinite(number) and low <= value <= high):  # value: an integer is exact
         raise ConfigError(f"{field} = {shown(value)}: allowed is {low:g} to {high:g} [{unit}]")
-    if number and not _TINY <= abs(number) <= _HUGE:
+    if number and not SMALLEST <= abs(number) <= LARGEST:
         raise ConfigError(
-            f"{field} = {shown(value)}: allowed is 0, or {_TINY:g} to {_HUGE:g} in size [{unit}]"
+            f"{field} = {shown(value)}: allowed is 0, or {SMALLEST:g} to {LARGEST:g} in size "
+            f"[{unit}]"
         )
     return number
 

@@ -41,8 +41,9 @@ from ship_gym.ships.particulars import (
     check_sections,
 )
 from ship_gym.ships.reader import Reader
-from ship_gym.ships.records import numbered
+from ship_gym.ships.records import numbered, surrogate_names
 from ship_gym.ships.scaling import scaled
+from ship_gym.ships.surrogate_card import check_surrogate
 from ship_gym.ships.trials import Trial, scaled_trial
 from ship_gym.tables import Table
 
@@ -354,8 +355,12 @@ def _with_surrogate(ship: Ship, data, folder: Path, name: str, wanted: str | Non
         return ship
     if wanted == "beaufoy":
         return with_beaufoy(ship)
-    table = Table.load(folder / f"surrogate_{wanted}.npz")
-    return attach_surrogate(ship, table, wanted)
+    file = folder / f"surrogate_{wanted}.npz"
+    table = Table.load(file)
+    try:
+        return attach_surrogate(ship, table, wanted)
+    except ConfigError as error:
+        raise ConfigError(f"{file}: {error}") from None
 
 
 def with_beaufoy(ship: Ship) -> Ship:
@@ -398,9 +403,7 @@ def attach_surrogate(ship: Named | Ship, table: Table, name: str) -> Ship:
         with another number of propellers.
     """
     ship = load_ship(ship)
-    for key in ("made_for", "effective_inflow", "domain"):
-        if key not in table.card:
-            raise ConfigError(f"surrogate {name}: its card has no {key!r}; fit it again")
+    check_surrogate(table, {units: surrogate_names(units) for units in (1, 2)}, name)
     made, law = table.card["made_for"], table.card["effective_inflow"]
     ratio = ship.hull.L / made["L"]
     if abs(ship.propeller.D / (made["D"] * ratio) - 1.0) > _SAME_SHIP:
