@@ -219,6 +219,14 @@ def build(cls: type, values: Mapping[str, Any], where: str) -> Any:
     return cls(**made)
 
 
+def build_part(cls: type, values: object, where: str) -> Any:
+    """As `build`, of what a file says for people too: keys that are no fields are passed over."""
+    if not isinstance(values, Mapping):
+        raise ConfigError(f"{where} = {shown(values)}: must be a table of keys")
+    known = {field.name for field in dataclasses.fields(cls)}
+    return build(cls, {key: value for key, value in values.items() if key in known}, where)
+
+
 def _convert(kind: Any, value: Any, where: str) -> Any:
     """Convert one TOML value to the annotated type, or raise ConfigError."""
     if typing.get_origin(kind) in (typing.Union, types.UnionType):
