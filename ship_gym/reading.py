@@ -87,7 +87,7 @@ def read_as(path: str | os.PathLike, what: str) -> Iterator[None]:
     except RecursionError:
         raise ConfigError(f"{path}: not {what}: nested too deep") from None
     except Exception as error:
-        told = str(error).strip() or type(error).__name__
+        told = " ".join(str(error).split()) or type(error).__name__
         if isinstance(error, KeyError):
             told = f"no {told}"
         raise ConfigError(f"{path}: not {what}, or damaged: {told}") from None

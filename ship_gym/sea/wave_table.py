@@ -51,7 +51,7 @@ SNNM_SHORT_END = 0.5
 SNNM_FOLLOWING_DEG = 60.0
 BOUNDS = {"CX": 12.0, "CY": 1.5, "CN": 0.2}
 _FROUDE, _OMEGA = (0.0, 2.0), (1e-2, 1e2)  # of the axes
-_LARGEST = 1e3  # of a coefficient or a motion; those of the package stay below 15
+_LARGEST = 100.0  # of a coefficient or a motion; those of the package stay below 13
 _MADE_FOR = ("L", "B", "d")  # lengths of the ship, where a card names them
 
 

@@ -11,7 +11,7 @@ from ship_gym.config import ConfigError, build_part, check_fields, check_number,
 from ship_gym.reading import check_array
 from ship_gym.tables import Axis, Table
 
-_LARGEST = 100.0  # of a coefficient by the square of the blade's speed; propellers reach about 1
+_LARGEST = 10.0  # of a coefficient by the square of the speed of a blade; published ones reach 1
 _LENGTH = (1e-3, 1e4, "m")
 _INFLOW = (-10.0, 10.0, "-")  # of the constants of the law: published ones lie in 0 to 2
 
