@@ -20,7 +20,7 @@ from ship_gym.envs.env import (
     with_steps,
 )
 from ship_gym.envs.episodes import EpisodeBatch
-from ship_gym.envs.info import Info
+from ship_gym.envs.flat_info import flat, is_flat
 from ship_gym.envs.start_options import start_options
 from ship_gym.envs.streams import Streams
 from ship_gym.envs.view import Screen
@@ -53,7 +53,7 @@ class ShipVectorEnv(VectorEnv):
     copy : bool
         Whether observations, rewards and infos stay as they are. If False they are the batch's own
         arrays, which the next step or reset overwrites (an info counts when it is looked at).
-    record : path or mapping, optional
+    record, info
         As in ``ShipEnv``.
     """
 
@@ -78,9 +78,10 @@ class ShipVectorEnv(VectorEnv):
         max_episode_steps: int | None = None,
         copy: bool = True,
         record: str | os.PathLike | Mapping[str, Any] | None = None,
+        info: str = "nested",
     ):
         super().__init__()
-        self._copy = bool(copy)
+        self._copy, self._flat = bool(copy), is_flat(info)
         if render_mode is not None:
             check_known("render_mode of a vector environment", render_mode, ("rgb_array",))
         self.num_envs = int(check_number("num_envs", num_envs, 1, 10**7))
@@ -254,8 +255,9 @@ class ShipVectorEnv(VectorEnv):
         observations = self.episodes.observations
         return observations.copy() if self._copy else observations
 
-    def _infos(self, mask: np.ndarray) -> Info:
-        return self.episodes.info(mask.copy(), self._copy)
+    def _infos(self, mask: np.ndarray, copy: bool | None = None) -> dict[str, Any]:
+        info = self.episodes.info(mask.copy(), self._copy if copy is None else copy)
+        return flat(info) if self._flat else info
 
     def _final_infos(self, ended: np.ndarray) -> dict[str, Any]:
         final = np.full(self.num_envs, None, dtype=object)
@@ -264,7 +266,7 @@ class ShipVectorEnv(VectorEnv):
         return {
             "final_obs": final,
             "_final_obs": ended.copy(),
-            "final_info": self.episodes.info(ended),
+            "final_info": self._infos(ended, copy=True),  # the reset that follows is not seen
             "_final_info": ended.copy(),
         }
 
