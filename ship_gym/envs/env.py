@@ -10,11 +10,11 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number
+from ship_gym.config import ConfigError, check_number
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.flat_info import flat, is_flat
 from ship_gym.envs.start_options import start_options
-from ship_gym.envs.view import RENDER_MODES, Screen
+from ship_gym.envs.view import RENDER_MODES, Screen, check_render_mode, offered_modes
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
@@ -87,12 +87,6 @@ def recording_of(record: str | os.PathLike | Mapping[str, Any], env: Any) -> Any
     from ship_gym.envs.recording_options import RecordingOptions
 
     return EpisodeRecording(env.episodes, RecordingOptions.from_option(record), env.origin)
-
-
-def check_render_mode(render_mode: str | None) -> None:
-    """Refuse an unknown render mode."""
-    if render_mode is not None:
-        check_known("render_mode", render_mode, RENDER_MODES)
 
 
 def action_space(scenario: Scenario) -> gym.spaces.Box:
@@ -173,7 +167,8 @@ class ShipEnv(gym.Env):
     overrides : mapping, optional
         Keys of the scenario, nested or dotted; unknown keys are refused.
     render_mode : str, optional
-        ``"rgb_array"`` or ``"human"``.
+        ``"rgb_array"`` or ``"human"``. One whose library or screen is missing is refused, and not
+        among the ``render_modes`` of the instance's metadata; the class has both.
     max_episode_steps : int, optional
         Control intervals of an episode, instead of what the scenario's duration says.
     copy : bool
@@ -208,6 +203,7 @@ class ShipEnv(gym.Env):
         self._resets = 0  # since the stream was seeded
         check_render_mode(render_mode)
         self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_modes": offered_modes()}
         scenario = self.scenario_name if scenario is None else scenario
         resolved, given = resolved_scenario(
             scenario, ship, control, surrogate, privileged, overrides

@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from ship_gym.config import ConfigError, check_known, check_number
+from ship_gym.config import ConfigError, check_number
 from ship_gym.envs.env import (
     Given,
     action_space,
@@ -23,9 +23,11 @@ from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.flat_info import flat, is_flat
 from ship_gym.envs.start_options import start_options
 from ship_gym.envs.streams import Streams
-from ship_gym.envs.view import Screen
+from ship_gym.envs.view import Screen, check_render_mode, offered_modes
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
+
+_RENDER_MODES = ("rgb_array",)  # a viewer shows one ship
 
 
 class ShipVectorEnv(VectorEnv):
@@ -58,7 +60,7 @@ class ShipVectorEnv(VectorEnv):
     """
 
     metadata = {  # noqa: RUF012  Gymnasium's own form
-        "render_modes": ["rgb_array"],
+        "render_modes": list(_RENDER_MODES),
         "render_fps": 10,
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
@@ -82,14 +84,17 @@ class ShipVectorEnv(VectorEnv):
     ):
         super().__init__()
         self._copy, self._flat = bool(copy), is_flat(info)
-        if render_mode is not None:
-            check_known("render_mode of a vector environment", render_mode, ("rgb_array",))
+        check_render_mode(render_mode, _RENDER_MODES)
         self.num_envs = int(check_number("num_envs", num_envs, 1, 10**7))
         if self.num_envs != num_envs:
             raise ConfigError(f"num_envs = {num_envs}: must be a whole number")
         self.render_mode = render_mode
         self.autoreset_mode = _mode(autoreset_mode)
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self.metadata = {
+            **self.metadata,
+            "render_modes": offered_modes(_RENDER_MODES),
+            "autoreset_mode": self.autoreset_mode,
+        }
         options = (control, surrogate, privileged, overrides)
         scenario = "heading_keeping" if scenario is None else scenario
         resolved, given = resolved_fleet(scenario, ship, *options)

@@ -145,7 +145,7 @@ def test_a_viewer_that_does_not_listen_is_noticed(ship):
 
 
 def test_no_screen_is_said_at_once(monkeypatch, ship):
-    monkeypatch.setattr(live.sys, "platform", "linux")
+    monkeypatch.setattr("sys.platform", "linux")
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     with pytest.raises(RuntimeError, match=r"no screen .*rgb_array.*ship-gym record"):
