@@ -177,7 +177,7 @@ def old_policy_edit(rng: np.random.Generator, data: bytes) -> bytes:
 
 
 def rrd_edit(rng: np.random.Generator, data: bytes) -> bytes:
-    """A recording with whole messages or their payloads changed and sealed again, or other bytes."""
+    """A recording with messages or their payloads changed and sealed again, or other bytes."""
     from ship_gym.recording import sealed
 
     if rng.random() < 0.4:

@@ -19,39 +19,76 @@ from typing import Any
 import numpy as np
 
 _SECONDS = 1.0  # after which a command is taken to be at work
-_LINES = (
-    "list", "list ships", "list --kind scenarios --json", "completion bash", "--version", "train --help",
-    "evaluate pid --scenario heading_calm --episodes 1 --ship nothing",
-    "evaluate pid --scenario nothing.toml --seed 3",
-    "evaluate nobody --episodes 2 --json --out table.csv",
-    "train --recipe nothing --out run --seed 1", "train --resume nothing --steps 100",
-    "train --algo ppo --scenario none.toml --steps 1e3 --envs 4 --out run",
-    "benchmark --suite nothing --controllers pid --out bench --jobs 1",
-    "benchmark --suites core --controllers nobody --ships kcs --episodes 1 --out bench",
-    "report nothing --out page.html", "bound --scenario nothing --ship kcs --episodes 1",
-    "record nobody --scenario heading_calm --out run.rrd", "record pid --out run.txt --seed 0",
-    "review list nothing", "review metrics nothing.rrd", "review export nothing.rrd --out a.csv",
-    "review compare nothing.rrd other.rrd --out a.rrd", "review picture nothing.rrd --out a.png",
-    "export nothing.safetensors --out a.onnx", "export nothing.zip --to safetensors",
-    "simulate turning --ship nothing --delta 35", "simulate zigzag --ship none.toml --psi 10",
-    "simulate turning --ship kcs --speed -1 --csv a.csv", "simulate captive --measured none.csv",
-    "simulate nothing --sea ss5 --wave-from 45", "simulate turning --sea nothing --n 1e9",
-    "trials --ships nothing --csv a.csv", "linearise --ship nothing --speed 3",
-    "tune --controllers nobody --ship kcs --out mine.toml", "tune --ship nothing --evaluations 0",
-    "tune-agent --algo nothing --trials 1 --out run", "fit-surrogate --data nothing --ship kcs",
-    "fit-surrogate --data none.csv --out a.npz --ship kcs_model", "draw nothing --out a.png",
-    "build-wave-table --ship nothing --out a.npz", "build-wave-table --ship kcs --hull none.obj",
-    "speed --check none.json", "warm-up --ships nothing",
-)  # fmt: skip
-_WORDS = (
-    "", " ", "-", "--", "---", "-1", "0", "1e9", "1e400", "9" * 400, "nan", "inf", "-inf", "1e-300", "1,5",
-    "kcs", "kcs,kcs", "KCS", "kc", "all", "none", ".", "..", "/", "/dev/null", "/dev/zero", "/nowhere/x",
-    "a" * 300, "a/" * 2000, "\u00e9\u4e2d", "a\nb", "\udcff", "x=", "=", "sea.states=[", "a.b=1",
-    "sensors.noise=7", "sea.wave_height=-1", "sea.wave_height=nan", "steps=10", "ship.toml", "none.py",
-    "none.py:Name", "pid@nothing", "pid@", "@kcs", "none.csv", "none.npz", "none.html", "1:2:3", "0-5",
-    "5-0", "0:", "--help", "--json", "--out", "--ship", "--seed", "--scenario", "--set", "--task",
-    "--control", "--jobs", "--episodes", "--nothing", "-h", "-x", "turning", "zigzag", "--version",
-)  # fmt: skip
+_LINES = """
+list
+list ships --json
+list surrogates --ship kvlcc2_model
+completion bash
+--version
+train --help
+train --algo sac --ship kvlcc2 --minutes 0 --set training.gamma=2 --out runs/a
+train --recipe nothing --seeds 5 --jobs 2
+train --resume --out runs/nothing --minutes 20
+evaluate --policy policy.safetensors --ship nothing --episodes 2
+evaluate --controller pid nobody --record runs/recordings --which worst best
+evaluate --controller gains.toml --ship kvlcc2 --episodes 0 --markdown
+benchmark --suite nothing --ships kcs --controllers pid --seeds 2 --out bench
+benchmark --suite scenario.toml --jobs 1 --out bench --fresh
+report nothing --out page.html
+report runs/benchmark/episodes.parquet --out report.html --episodes 60
+bound --scenario nothing --ship kvlcc2 --seeds 1
+bound --scenario scenario.toml --seeds 1 --lambdas 0.1 -1
+record --policy policy.safetensors --ship nothing --out runs/b
+record --controller pid --worst 5 --by nothing --of 8 --out runs/worst
+record --controller pid --seeds 2000000..1 --out runs/c
+review list nothing --worst 5
+review list . --json
+review metrics run.rrd
+review metrics run.rrd nothing.rrd --json
+review export run.rrd --out a.csv
+review export run.rrd --to nothing
+review compare run.rrd run.rrd --out a.rrd
+review picture run.rrd --at nothing
+review show nothing.rrd
+export nothing --out policy.onnx
+export policy.safetensors --to safetensors
+export policy.safetensors --trust-sb3-zip --to safetensors --out a.safetensors
+simulate zigzag --ship nothing --delta -20
+simulate turning --ship mine.toml --n 1e9 --sea current --csv turn.csv
+simulate captive --ship mine.toml --measured run.rrd
+simulate stopping --ship mine.toml --psi 20
+simulate turning --ship kcs --sea ss5 --wave-from 450 --delta 200
+simulate turning --ship dtc_model --speed -1.48 --wave-height 0.112 --wavelength 0
+trials --ship nothing --json
+trials --before run.rrd --out trials.md
+linearise --ship mine.toml --speed 5.0 --json
+linearise --ship kcs --speed -1
+tune --ship nothing --episodes 64 --out pid.toml
+tune --controllers nobody --ship kcs --episodes 0 --out a.toml
+tune-agent --algo nothing --minutes 2 --trials 30 --jobs 2
+tune-agent --recipe track_guidance --ranges mine.toml --seeds 2 --out runs/track
+fit-surrogate --samples my.csv --ship mine.toml
+fit-surrogate --family nothing --out a.npz
+fit-surrogate --data onrt --grid G9 --plot onrt.png
+draw difference --against nothing
+draw path --manoeuvre zigzag --delta 200
+draw nothing --ship dtc_model --wave-height 0.112
+build-wave-table --ship mine.toml --mesh run.rrd --scale 0.001
+build-wave-table --from nothing.npz
+speed --ship mine.toml --scenario nothing --quick
+speed --against nothing --only calm waves
+warm-up --ship nothing --task heading_keeping
+warm-up --ship mine.toml --jobs 0 --json
+"""
+_WORDS = """
+- -- --- -1 0 1e9 1e400 nan inf -inf 1e-300 1,5 0x10 kcs kcs,kcs KCS kc all none . .. / /dev/null
+/dev/zero /nowhere/x x= = sea.states=[ a.b=1 sensors.noise=7 sea.wave_height=-1 sea.wave_height=nan
+training.gamma=9 steps=10 mine.toml scenario.toml gains.toml policy.safetensors run.rrd none.py
+none.py:Name pid@nothing pid@ @kcs none.csv none.npz none.html 1:2:3 0..5 5..0 0.. --help --json
+--out --ship --seed --scenario --set --task --control --jobs --episodes --nothing -h -x turning
+zigzag --version
+""".split()
+_WORDS += ["", " ", "a" * 300, "a/" * 2000, "9" * 400, "\u00e9\u4e2d", "\udcff", "a\tb"]
 
 
 class Enough(BaseException):
@@ -59,20 +96,38 @@ class Enough(BaseException):
 
 
 def seeds() -> Iterator[Any]:
-    """Each line as a file of words."""
-    from _fuzz_seeds import Seed
-    from ship_gym_agents.cli import VERBS
+    """Each line as a file of words, with the files that it names beside it."""
+    from _fuzz_made import recordings
+    from _fuzz_seeds import Seed, policies, scenarios, ships, toml_files
+    from ship_gym_agents.gains_files import GAINS
 
-    for line in (*_LINES, *(f"{verb} --nothing" for verb in VERBS)):
-        yield Seed(line, {"line.words": "\n".join(line.split()).encode()})
+    beside = {
+        "mine.toml": {seed.name: seed for seed in ships()}["kvlcc2_model"],
+        "scenario.toml": next(scenarios()),
+        "gains.toml": next(toml_files(GAINS)),
+        "policy.safetensors": next(policies()),
+        "run.rrd": next(recordings()),
+    }
+    beside = {name: next(iter(seed.files.values())) for name, seed in beside.items()}
+    for line in _LINES.strip().split("\n"):
+        files = {name: data for name, data in beside.items() if name in line}
+        yield Seed(line, {"line.words": "\n".join(line.split()).encode(), **files})
 
 
 def words_edit(rng: np.random.Generator, data: bytes) -> bytes:
-    """Words with one left out, doubled, moved, misspelt, replaced or added."""
+    """Words with some left out, doubled, moved, misspelt, replaced or added."""
     words = data.decode("utf-8", "surrogateescape").split("\n")
-    k, how = int(rng.integers(len(words))), int(rng.integers(8))
-    odd = _WORDS[int(rng.integers(len(_WORDS)))].replace("\n", " ")
-    if how == 0:
+    for _ in range(int(rng.geometric(0.6))):
+        _word_edit(rng, words)
+    return "\n".join(words).encode("utf-8", "surrogateescape")
+
+
+def _word_edit(rng: np.random.Generator, words: list[str]) -> None:
+    k, how = int(rng.integers(len(words))) if words else 0, int(rng.integers(8))
+    odd = _WORDS[int(rng.integers(len(_WORDS)))]
+    if how in (4, 5) or not words:
+        words.insert(int(rng.integers(len(words) + 1)), odd)
+    elif how == 0:
         del words[k]
     elif how == 1:
         words.insert(k, words[k])
@@ -81,17 +136,15 @@ def words_edit(rng: np.random.Generator, data: bytes) -> bytes:
     elif how == 3 and words[k]:
         j = int(rng.integers(len(words[k])))
         words[k] = words[k][:j] + words[k][j + 1 :]
-    elif how in (4, 5):
-        words.insert(int(rng.integers(len(words) + 1)), odd)
     else:
         words[k] = odd
-    return "\n".join(words).encode("utf-8", "surrogateescape")
 
 
 def use(path: Path, **_: Any) -> None:
     """Run the line; raises what it would print as one line, or what it lets through."""
-    from ship_gym.config import ConfigError
     from ship_gym_agents.cli import main
+
+    from ship_gym.config import ConfigError
 
     words = path.read_bytes().decode("utf-8", "surrogateescape").split("\n")
     said = io.StringIO()

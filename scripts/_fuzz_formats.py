@@ -16,6 +16,7 @@ from typing import Any
 import _fuzz_binary as binary
 import _fuzz_commands as commands
 import _fuzz_impossible as impossible
+import _fuzz_made as made
 import _fuzz_mutate as text
 import _fuzz_seeds as seeds
 import _fuzz_use as use
@@ -78,6 +79,10 @@ def _suites() -> Iterator[Seed]:
     yield from seeds.toml_files(suite._FOLDER)
 
 
+def _baseline() -> Iterator[Seed]:
+    yield seeds.file(Path(__file__).with_name("speed_baseline.json"))
+
+
 FORMATS: dict[str, Format] = {
     "ship": Format(18, seeds.ships, use.ship, "ships"),
     "scenario": Format(10, seeds.scenarios, use.scenario, "text"),
@@ -87,22 +92,25 @@ FORMATS: dict[str, Format] = {
     "recipe": Format(4, _of("recipes"), use.recipe, "text"),
     "hyperparameters": Format(3, seeds.hyperparameters, use.hyperparameters, "text"),
     "ranges": Format(2, seeds.ranges, use.ranges, "text"),
-    "captive csv": Format(5, seeds.captive, use.captive, "text"),
-    "samples csv": Format(5, seeds.samples, use.samples, "text"),
-    "trials csv": Format(3, seeds.trials, use.trials, "text"),
-    "history csv": Format(3, seeds.histories, use.history, "text"),
-    "track": Format(6, seeds.tracks, use.track, "text"),
+    "captive csv": Format(5, made.captive, use.captive, "text"),
+    "samples csv": Format(5, made.samples, use.samples, "text"),
+    "trials csv": Format(3, made.trials, use.trials, "text"),
+    "history csv": Format(3, made.histories, use.history, "text"),
+    "track": Format(6, made.tracks, use.track, "text"),
     "force table": Format(5, seeds.force_tables, use.force_table, "binary"),
     "wave table": Format(4, seeds.wave_tables, use.wave_table, "binary"),
-    "recording": Format(4, seeds.recordings, use.recording, "binary"),
-    "journal": Format(4, seeds.journals, use.recording, "binary"),
+    "recording": Format(4, made.recordings, use.recording, "binary"),
+    "journal": Format(4, made.journals, use.recording, "binary"),
     "policy": Format(8, seeds.policies, use.controller, "binary"),
-    "old policy": Format(3, seeds.old_policies, use.old_policy, "binary"),
-    "run card": Format(4, seeds.run_cards, use.run_card, "text"),
-    "settings": Format(2, seeds.settings_files, use.settings, "text"),
-    "references": Format(3, seeds.references, use.references, "text"),
-    "results": Format(3, seeds.results, use.results, "binary"),
-    "mesh": Format(5, seeds.meshes, use.mesh, "binary"),
+    "old policy": Format(3, made.old_policies, use.old_policy, "binary"),
+    "run card": Format(4, made.run_cards, use.run_card, "text"),
+    "settings": Format(2, made.settings_files, use.settings, "text"),
+    "references": Format(3, made.references, use.references, "text"),
+    "results": Format(3, made.results, use.results, "binary"),
+    "manoeuvres": Format(2, made.manoeuvres, use.manoeuvres, "binary"),
+    "speed baseline": Format(1, _baseline, use.speed_baseline, "text"),
+    "curve": Format(1, made.curves, use.curve, "text"),
+    "mesh": Format(5, made.meshes, use.mesh, "binary"),
     "command": Format(10, commands.seeds, commands.use, "command line"),
     impossible.NAME: Format(0, impossible.seeds, use.ship, "ships"),  # each once, never changed
 }

@@ -15,6 +15,7 @@ LONGEST = 300  # characters of a line of a message
 MOST_MEMORY = 1 << 30  # [bytes]
 _ROOT = Path(__file__).resolve().parents[1]
 _OURS = (str(_ROOT / "ship_gym") + os.sep, str(_ROOT / "agents") + os.sep)
+_CHECKS = os.path.join("ship_gym", "config.py")
 # what must not be; "wording" and "warning" are told, and are no findings
 BAD = ("traceback", "nonsense", "accepted", "long message", "hang", "death", "memory")
 
@@ -130,7 +131,7 @@ def _refused(case: Any, error: Exception) -> Verdict:
     if longest > LONGEST:
         return Verdict("long message", innermost(error), f"{longest} characters: {_short(error)}")
     named = case.kind == "command" or any(Path(name).name in text for name in case.files)
-    soft = () if named else (f"wording: no file named, {innermost(error)}",)
+    soft = () if named else (f"wording: no file named, {caller(error)}",)
     return Verdict("refused", "", _short(error), soft=soft)
 
 
@@ -148,12 +149,20 @@ def _warning(found: warnings.WarningMessage) -> str:
 
 def innermost(error: BaseException) -> str:
     """Place of the innermost line of our code that an error came through."""
-    place = "outside our code"
-    for frame in traceback.extract_tb(error.__traceback__):
-        if frame.filename.startswith(_OURS):
-            name = frame.filename.removeprefix(str(_ROOT) + os.sep)
-            place = f"{name}:{frame.lineno} {frame.name}"
-    return place
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename.startswith(_OURS)]
+    return _place(frames[-1]) if frames else "outside our code"
+
+
+def caller(error: BaseException) -> str:
+    """The same of a refusal: who asked for what ``config.py`` has checked."""
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename.startswith(_OURS)]
+    asked = [f for f in frames if not f.filename.endswith(_CHECKS)] or frames
+    return _place(asked[-1]) if asked else "outside our code"
+
+
+def _place(frame: traceback.FrameSummary) -> str:
+    name = frame.filename.removeprefix(str(_ROOT) + os.sep)
+    return f"{name}:{frame.lineno} {frame.name}"
 
 
 def innermost_of_dump(text: str) -> str:

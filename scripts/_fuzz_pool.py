@@ -10,6 +10,7 @@ import os
 import resource
 import signal
 import time
+import traceback
 from collections.abc import Callable, Iterable, Iterator
 from multiprocessing.connection import wait
 from pathlib import Path
@@ -20,6 +21,10 @@ from _fuzz_judge import Verdict, innermost_of_dump
 SECONDS = 10  # of computing that a task may take
 _WAITING = 90.0  # [s] a task may take in all: one that waits for something computes nothing
 _MEMORY = 6 << 30  # [bytes] of data a worker may ask for, to protect the machine
+
+
+class Broken(str):
+    """What the work itself said when it failed, which no case may make it do."""
 
 
 class _Worker:
@@ -45,7 +50,13 @@ class _Worker:
     def answer(self) -> Any:
         """What the worker sent, or a Verdict of its death."""
         try:
-            return self.pipe.recv()
+            found = self.pipe.recv()
+            if isinstance(found, Broken):
+                raise RuntimeError(f"the fuzzer itself failed: {found}")
+            if _broken_off(found):
+                self.process.join(5.0)
+                self.end()
+            return found
         except (EOFError, OSError):
             self.process.join(10.0)
             self.end()
@@ -64,6 +75,11 @@ class _Worker:
             self.process.kill()
             self.process.join(5.0)
         self.pipe.close()
+
+
+def _broken_off(answer: Any) -> bool:
+    """Whether a task ended amidst anything: its worker goes, and another begins anew."""
+    return getattr(answer, "outcome", "") == "work"
 
 
 def _serve(pipe: Any, other: Any, work: Callable, dump: Path) -> None:
@@ -86,11 +102,14 @@ def _serve(pipe: Any, other: Any, work: Callable, dump: Path) -> None:
             except (EOFError, OSError):
                 return
             signal.setitimer(signal.ITIMER_PROF, SECONDS)
-            answer = work(task)
+            try:
+                answer = work(task)
+            except BaseException:
+                answer = Broken(f"{task}: {traceback.format_exc()}")
             signal.setitimer(signal.ITIMER_PROF, 0.0)
             pipe.send(answer)
-            if getattr(answer, "outcome", "") == "work":
-                return  # it was broken off amidst anything: begin anew
+            if _broken_off(answer):
+                return
 
 
 class Pool:
@@ -142,7 +161,6 @@ class Pool:
         if task is None:
             return
         worker = self._workers[k]
-        worker.process.join(0.02 if worker.pipe.closed else 0.0)
         if worker.pipe.closed or not worker.process.is_alive():
             worker.end()
             self._workers[k] = worker = self._new()

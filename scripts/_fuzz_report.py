@@ -18,6 +18,7 @@ from _fuzz_judge import BAD, Verdict, judged
 from _fuzz_minimise import smallest
 from _fuzz_pool import Pool
 
+_APART = (NAME, "command", "recording")  # not in this process: rerun is not to be forked
 _LOG, _FINDINGS = "cases.jsonl", "findings"
 
 
@@ -216,10 +217,10 @@ class Run:
 
 def warm_up() -> None:
     """Load libraries and kernels, which every worker then has; a good input must be accepted."""
-    for name, each in FORMATS.items():
-        if name in (NAME, "command"):
-            continue
+    for name in FORMATS:
         one = good(name)[0]
+        if name in _APART:
+            continue
         with tempfile.TemporaryDirectory() as folder:
             found = judged(Case(0, name, one.name, (), one.files, one.options), Path(folder) / "c")
         if found.outcome != "used":

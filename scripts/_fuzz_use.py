@@ -29,12 +29,14 @@ def _finite(what: str, values: Any) -> None:
 # --- ships, scenarios, tracks --------------------------------------------------------------------
 
 
-def ship(path: Path, **_: Any) -> None:
+def ship(path: Path, variant: str | None = None, **_: Any) -> None:
     """Load it, list what is estimated, and sail 20 s with the rudder hard over."""
     from ship_gym.ships.loader import load_ship
 
-    load_ship(path).describe()
-    _sail(ship=str(path), scenario="course_calm")
+    path = path.with_name("ship.toml") if variant else path
+    made = load_ship(path, variant=variant)
+    made.describe()
+    _sail(ship=made if variant else str(path), scenario="course_calm")
 
 
 def scenario(path: Path, **_: Any) -> None:
@@ -109,9 +111,10 @@ def track(path: Path, **_: Any) -> None:
 
 def controller(path: Path, **_: Any) -> None:
     """A file of gains or a policy: one act in the task that it is for."""
-    from ship_gym.envs.vector_env import ShipVectorEnv
     from ship_gym_agents import make_controller
     from ship_gym_agents.controllers import trained_for
+
+    from ship_gym.envs.vector_env import ShipVectorEnv
 
     made = make_controller(path)
     asked = trained_for(made) or {"scenario": "heading_keeping"}
@@ -271,3 +274,24 @@ def mesh(path: Path, **_: Any) -> None:
     from ship_gym.seakeeping.hull_file import read_hull
 
     _finite("vertices", read_hull(path, "kcs", panels=None).vertices)
+
+
+def manoeuvres(path: Path, **_: Any) -> None:
+    """A table of manoeuvres."""
+    from ship_gym.evaluation.manoeuvres.table import read_manoeuvres
+
+    read_manoeuvres(path)
+
+
+def speed_baseline(path: Path, **_: Any) -> None:
+    """Ratios that speed is compared with."""
+    from ship_gym.reports.speed_check import load_baseline
+
+    load_baseline(path)
+
+
+def curve(path: Path, **_: Any) -> None:
+    """The curve of a training."""
+    from ship_gym_agents.training.curves import read_curve
+
+    read_curve(path)

@@ -47,6 +47,7 @@ def main() -> None:
 
 def _check(args) -> None:
     from _fuzz_formats import FORMATS
+
     from ship_gym.config import check_known, check_number
     from ship_gym.provenance import check_place
 
