@@ -91,12 +91,15 @@ zigzag --version
 _WORDS += ["", " ", "a" * 300, "a/" * 2000, "9" * 400, "\u00e9\u4e2d", "\udcff", "a\tb"]
 
 
+_NEVER = ("--install",)  # writes into the package
+
+
 class Enough(BaseException):
     """Real work has begun: nothing was refused, and the rest is for other tests."""
 
 
 def seeds() -> Iterator[Any]:
-    """Each line as a file of words, with the files that it names beside it."""
+    """Each line as a file of words, with the files that it may name beside it."""
     from _fuzz_made import recordings
     from _fuzz_seeds import Seed, policies, scenarios, ships, toml_files
     from ship_gym_agents.gains_files import GAINS
@@ -110,34 +113,48 @@ def seeds() -> Iterator[Any]:
     }
     beside = {name: next(iter(seed.files.values())) for name, seed in beside.items()}
     for line in _LINES.strip().split("\n"):
-        files = {name: data for name, data in beside.items() if name in line}
-        yield Seed(line, {"line.words": "\n".join(line.split()).encode(), **files})
+        yield Seed(line, {"line.words": "\n".join(line.split()).encode(), **beside})
 
 
 def words_edit(rng: np.random.Generator, data: bytes) -> bytes:
-    """Words with some left out, doubled, moved, misspelt, replaced or added."""
+    """A line with a value replaced, an option of the verb added, or words left out or mangled.
+
+    The verb mostly stays: what it does not know is soon said.
+    """
     words = data.decode("utf-8", "surrogateescape").split("\n")
-    for _ in range(int(rng.geometric(0.6))):
-        _word_edit(rng, words)
-    return "\n".join(words).encode("utf-8", "surrogateescape")
-
-
-def _word_edit(rng: np.random.Generator, words: list[str]) -> None:
-    k, how = int(rng.integers(len(words))) if words else 0, int(rng.integers(8))
-    odd = _WORDS[int(rng.integers(len(_WORDS)))]
-    if how in (4, 5) or not words:
-        words.insert(int(rng.integers(len(words) + 1)), odd)
-    elif how == 0:
+    odd, how = _WORDS[int(rng.integers(len(_WORDS)))], rng.random()
+    values = [k for k, word in enumerate(words) if k and not word.startswith("-")]
+    k = int(rng.integers(0 if rng.random() < 0.1 else 1, max(len(words), 2)))
+    if how < 0.4 and values:
+        words[values[int(rng.integers(len(values)))]] = odd
+    elif how < 0.7:
+        options = _options(words)
+        words += [options[int(rng.integers(len(options)))], odd][: int(rng.integers(1, 3))]
+    elif how < 0.8 and k < len(words):
         del words[k]
-    elif how == 1:
+    elif how < 0.85 and k < len(words):
         words.insert(k, words[k])
-    elif how == 2:
-        words.insert(k, words.pop(int(rng.integers(len(words)))))
-    elif how == 3 and words[k]:
+    elif how < 0.9 and k < len(words) and words[k]:
         j = int(rng.integers(len(words[k])))
         words[k] = words[k][:j] + words[k][j + 1 :]
     else:
-        words[k] = odd
+        words.insert(k, odd)
+    return "\n".join(words).encode("utf-8", "surrogateescape")
+
+
+def _options(words: list[str]) -> list[str]:
+    """Options of the verb of a line; of none those that all have."""
+    from ship_gym_agents.cli import VERBS, load_verb, review
+
+    try:
+        if words[:1] == ["review"] and words[1:2] and words[1] in review.VERBS:
+            command = review.load_verb(words[1])
+        else:
+            command = load_verb(words[0]) if words and words[0] in VERBS else None
+    except ImportError:
+        command = None
+    found = [o for p in getattr(command, "params", ()) for o in (*p.opts, *p.secondary_opts)]
+    return [o for o in found if o.startswith("-") and o not in _NEVER] or ["--help", "--json"]
 
 
 def use(path: Path, **_: Any) -> None:
