@@ -10,6 +10,7 @@ import contextlib
 import dataclasses
 import difflib
 import math
+import re
 import types
 import typing
 from collections.abc import Iterable, Iterator, Mapping
@@ -20,6 +21,9 @@ import numpy as np
 from ship_gym.conventions import KNOT
 
 LONGEST = 300  # characters of a line of an error
+_LONG_PATH = re.compile(
+    r"[^\s'\"]{20,}(/[^\s'\"/]*/[^\s'\"/]*/[^\s'\"/]*)"
+)  # and its last three names
 _TINY, _HUGE = 1e-30, 1e30  # no quantity of a ship or a sea is smaller, but zero, or larger
 
 
@@ -35,8 +39,10 @@ class ConfigError(ValueError):
 
 
 def _cut(line: str, most: int = LONGEST) -> str:
-    """A line without its middle, where it is longer than `most` characters."""
+    """A line of at most `most` characters: long paths lose their beginning, then it its middle."""
     line = "".join(c if c.isprintable() else " " for c in line)
+    if len(line) > most:
+        line = _LONG_PATH.sub(r"...\1", line)
     if len(line) <= most:
         return line
     half = (most - 5) // 2
