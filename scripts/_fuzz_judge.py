@@ -11,9 +11,11 @@ import warnings
 from pathlib import Path
 from typing import Any
 
+import ship_gym
+
 LONGEST = 300  # characters of a line of a message
 MOST_MEMORY = 1 << 30  # [bytes]
-_ROOT = Path(__file__).resolve().parents[1]
+_ROOT = Path(ship_gym.__file__).resolve().parents[1]
 _OURS = (str(_ROOT / "ship_gym") + os.sep, str(_ROOT / "agents") + os.sep)
 _CHECKS = os.path.join("ship_gym", "config.py")
 # what must not be; "wording" and "warning" are told, and are no findings
