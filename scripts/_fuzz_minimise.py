@@ -163,6 +163,8 @@ def _array(data: bytes | None) -> str:
         array = np.load(io.BytesIO(data), allow_pickle=False)
     except Exception:
         return f"{data[:80]!r}"
+    if not isinstance(array, np.ndarray):
+        return "another npz file"
     if array.dtype == np.uint8:
         return repr(array.tobytes()[:120])
     return f"{array.dtype} {array.shape} {array.ravel()[:3]}"
