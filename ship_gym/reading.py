@@ -12,6 +12,7 @@ import contextlib
 import io
 import json
 import os
+import re
 import stat
 import tomllib
 import zipfile
@@ -34,6 +35,10 @@ _MARKS = {
     codecs.BOM_UTF16_LE: "utf-16-le",
     codecs.BOM_UTF16_BE: "utf-16-be",
 }
+# Dots between words: the parser takes a time that grows with the square of the parts of a key.
+_DOT = re.compile(r"(?<=[\w\"'])[ \t]*\.[ \t]*(?=[\w\"'])")
+_PARTS = re.compile("[={,\n]")
+_DEEPEST = 100
 _WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # xlsx and ods; xls
 
 
@@ -140,7 +145,13 @@ def _decoded(path: Path, data: bytes, fallback: str | None) -> str:
 
 def read_toml(path: str | os.PathLike) -> dict[str, Any]:
     """Read a TOML file; a missing or malformed file is a ConfigError with its path."""
-    text = read_text(path)
+    return parsed_toml(read_text(path), path)
+
+
+def parsed_toml(text: str, path: str | os.PathLike) -> dict[str, Any]:
+    """Values of a text in TOML, as `read_toml` reads one; `path` is for the message."""
+    if any(len(_DOT.findall(part)) > _DEEPEST for part in _PARTS.split(text)):
+        raise ConfigError(f"{path}: not a valid TOML file: a key of more than {_DEEPEST} parts")
     with read_as(path, "a valid TOML file"):
         return tomllib.loads(text)
 
@@ -170,7 +181,8 @@ def read_npz(path: str | os.PathLike, *names: str) -> dict[str, np.ndarray]:
         Arrays that must be there; others are read too.
     """
     data = read_bytes(path)
-    with read_as(path, "an npz file"), np.load(io.BytesIO(data), allow_pickle=False) as found:
+    with read_as(path, "an npz file"):
+        found = np.load(io.BytesIO(data), allow_pickle=False)
         if not isinstance(found, np.lib.npyio.NpzFile):
             raise ValueError("holds one array without a name")
         _check_unpacked(found.zip)

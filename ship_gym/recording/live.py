@@ -154,11 +154,9 @@ class LiveView:
         return stream
 
     def _append(self, row: Mapping[str, float]) -> None:
-        if sorted(row) != sorted([*self._names, *self._hidden]):
-            raise ConfigError(
-                f"a row has the names {', '.join(row)}; the first row of the episode had "
-                f"{', '.join([*self._names, *self._hidden])}"
-            )
+        if other := {*row} ^ {*self._names, *self._hidden}:
+            names = ", ".join(sorted(other))
+            raise ConfigError(f"a row and the first row of the episode do not both have {names}")
         if self._count == len(self._rows):
             self._rows = np.concatenate([self._rows, np.zeros_like(self._rows)])
         self._rows[self._count] = [row[name] for name in self._names]
