@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ship_gym.behaviour import check_behaviour
 from ship_gym.config import ConfigError, check_angle, check_number
 from ship_gym.conventions import (
     COMMAND_NAMES,
@@ -100,6 +101,7 @@ class ShipSim:
         self.ships = load_ships(ship, self.n)
         if len(self.ships) != self.n:
             raise ConfigError(f"{len(self.ships)} ships given for n = {self.n}")
+        self._check_ships()
         made = fleet(self.ships)
         self._records, self._expected = made.records, ()
         self._tables = Tables(made.open_water, made.deflected)
@@ -118,6 +120,11 @@ class ShipSim:
         self.flow = np.zeros((self.n, len(FLOW_OF_UNITS) if two else N_FLOW))
         self._clock = np.zeros((self.n, 2))
         self._longest = np.array([longest_step(s) for s in self.ships])
+
+    def _check_ships(self) -> None:
+        """Refuse ships of own files that do what no ship does (``behaviour``), looked at once."""
+        for ship in numbered(self.ships)[0]:
+            check_behaviour(ship, _Trial)
 
     def reset(
         self,
@@ -372,6 +379,13 @@ class ShipSim:
         )
 
 
+class _Trial(ShipSim):
+    """Ships whose behaviour is being looked at."""
+
+    def _check_ships(self) -> None:
+        """They may do what no ship does."""
+
+
 def longest_step(ship: Ship) -> float:
     """Longest integration step [s], L / (28 U0): 1.1 s for KCS at 14.5 kn.
 
@@ -412,6 +426,12 @@ def self_propulsion(ship: Named | Ship, speed: float) -> float:
     def surge(n: float) -> float:
         own, _ = ship_forces((speed, 0.0, 0.0), (0.0, n), record, tables)
         return total(own).X
+
+    if not surge(0.0) < 0.0:
+        raise ConfigError(
+            f"{ship.name} has no resistance: at {speed:.4g} m/s with the propeller stopped the "
+            f"force ahead is {surge(0.0):.4g} N; allowed is below 0"
+        )
 
     if surge(ship.engine.n_max) < 0.0:
         raise ConfigError(
