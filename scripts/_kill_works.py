@@ -40,12 +40,15 @@ class Work(NamedTuple):
         What a finished folder holds, to be compared with that of a run that was never killed.
     over : str
         What a finished run says when it is to go on, where that is an error.
+    warm : callable, optional
+        Loads and compiles what `run` needs before processes are forked; `run` itself if omitted.
     """
 
     run: Callable[[], None]
     broken: Callable[[Path, Any], str]
     result: Callable[[Path], Any]
     over: str = ""
+    warm: Callable[[], None] | None = None
 
 
 def works() -> dict[str, Work]:
@@ -54,7 +57,7 @@ def works() -> dict[str, Work]:
         "train": Work(_train, _broken_run, _result_of_run, "used up"),
         "tune": Work(_tune, _broken_gains, _gains),
         "benchmark": Work(_benchmark, _broken_benchmark, _rows),
-        "record": Work(_record, _broken_recordings, _recordings),
+        "record": Work(_record, _broken_recordings, _recordings, warm=_record_csv),
         "table": Work(_table, _broken_table, _arrays),
     }
     if find_spec("stable_baselines3") is not None:
@@ -63,9 +66,10 @@ def works() -> dict[str, Work]:
 
 
 def names_in(folder: Path) -> list[str]:
-    """Files in a folder, a generation of a run by no number."""
+    """Files in a folder but logs of TensorBoard; a generation of a run by no number."""
     paths = (str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
-    return sorted(re.sub(r"checkpoint/\d+|tfevents.*", "*", path) for path in paths)
+    plain = {re.sub(r"checkpoint/\d+", "checkpoint/*", path) for path in paths}
+    return sorted(path for path in plain if "tensorboard" not in path)  # one log of each part
 
 
 def _ship_gym(*words: Any) -> None:
@@ -169,16 +173,17 @@ def _result_of_run(folder: Path) -> Any:
 
 
 def _tune() -> None:
-    small = ("--episodes", 2, "--generations", 2, "--candidates", 4, "--polish", 2)
-    _ship_gym("tune", "--ship", "kcs", *small, "--set", "duration=60", "--out", "pid.toml")
+    small = ("--episodes", 2, "--generations", 1, "--candidates", 4, "--polish", 0)
+    what = ("--ship", "kcs", "--controller", "lqg", "--set", "duration=60")
+    _ship_gym("tune", *what, *small, "--out", "lqg.toml")
 
 
 def _gains(folder: Path) -> Any:
-    return (folder / "pid.toml").read_text()
+    return (folder / "lqg.toml").read_text()
 
 
 def _broken_gains(folder: Path, whole: Any) -> str:
-    there = (folder / "pid.toml").is_file()
+    there = (folder / "lqg.toml").is_file()
     return "gains that are not whole" if there and _gains(folder) != whole else ""
 
 
@@ -193,14 +198,15 @@ def _benchmark() -> None:
     _ship_gym("benchmark", "--suite", "suite.toml", "--controllers", "pid", *plain)
 
 
+_CLOCK = ("decision_ms",)  # columns that a clock measured
+
+
 def _rows(folder: Path) -> Any:
     """Rows without what a clock measured."""
     from ship_gym.evaluation import read_results
 
     rows = read_results(folder / "run").rows()
-    return [
-        {k: v for k, v in row.items() if "time" not in k or k == "settling_time"} for row in rows
-    ]
+    return [{name: row[name] for name in row if name not in _CLOCK} for row in rows]
 
 
 def _broken_benchmark(folder: Path, whole: Any) -> str:
@@ -215,8 +221,15 @@ def _broken_benchmark(folder: Path, whole: Any) -> str:
 # --- recordings -------------------------------------------------------------------------------
 
 
-def _record() -> None:
-    _ship_gym("record", "--controller", "pid", "--seeds", 2, "--set", "duration=60", "--out", "out")
+def _record(out: str = "out") -> None:
+    _ship_gym("record", "--controller", "pid", "--seeds", 2, "--set", "duration=60", "--out", out)
+
+
+def _record_csv() -> None:
+    """The same without rerun, which a process that has used it must not be forked with."""
+    import rerun  # noqa: F401, loaded only
+
+    _record("out.csv")
 
 
 def _recordings(folder: Path) -> Any:
@@ -259,7 +272,7 @@ def _table() -> None:
 
     ship = load_ship("kcs_model")
     grid = Grid((0.0, 0.2), 3, 2, longest=6.0, shortest=1.0, encounter=4, encounter_max=4.0)
-    build(ship, parametric_mesh(ship, 10, 3), Path("waves.npz").absolute(), grid)
+    build(ship, parametric_mesh(ship, 16, 4), Path("waves.npz").absolute(), grid)
 
 
 def _arrays(folder: Path) -> Any:

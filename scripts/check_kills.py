@@ -16,11 +16,11 @@ import numpy as np
 from _cli import parser, run, show
 
 HELP = """\
-Begin a tiny run of each kind of work, kill it (SIGKILL) at a random moment or just before a random
-change of a file, and look whether the folder is consistent; let it go on, kill that sometimes, too;
-let the last one come to its end, and compare with a run that was never killed. Every outcome goes
-into a log at once: killed itself, the same command goes on. Exit code 1: something that must not
-be. Needs a system that forks (Linux, macOS).
+Each case: begin a tiny run of a kind of work, kill it (SIGKILL) at a random moment or just before
+a random change of a file, and look whether the folder is consistent; let it go on, kill that
+sometimes, too; let the last one come to its end, and compare with a run that was never killed.
+Every outcome goes into a log at once: killed itself, the same command goes on. Exit code 1:
+something that must not be. Needs a system that forks (Linux, macOS).
 """
 EXAMPLES = (
     "python scripts/check_kills.py --kills 20",
@@ -48,7 +48,12 @@ def main() -> None:
     from ship_gym.text import table
 
     made = parser(HELP, EXAMPLES)
-    made.add_argument("--kills", type=int, default=20, help="of each kind of work (default 20)")
+    made.add_argument(
+        "--kills",
+        type=int,
+        default=20,
+        help="cases of each kind of work (default 20); some are killed more than once",
+    )
     made.add_argument("--works", nargs="*", metavar="NAME", help=f"of {', '.join(works())}")
     made.add_argument("--jobs", type=int, default=1, help="processes (default 1)")
     made.add_argument("--seed", type=int, default=0, help="of the moments (default 0)")
@@ -66,6 +71,7 @@ def main() -> None:
             _kill_all(name, works()[name], args)
         rows = [row for row in _logged(args) if row["work"] in names]
     found = {name: Counter(row["outcome"] for row in rows if row["work"] == name) for name in names}
+    kills = {name: sum(row["kills"] for row in rows if row["work"] == name) for name in names}
     lines = [
         [name, outcome, str(count), "" if outcome == GOOD else "BAD"]
         for name, counts in found.items()
@@ -73,8 +79,10 @@ def main() -> None:
     ]
     bad = sum(int(line[2]) for line in lines if line[3])
     data = {name: dict(counts) for name, counts in found.items()}
-    data |= {"kills": sum(row["kills"] for row in rows), "bad": bad, "log": str(args.log)}
-    text = f"{table(['work', 'outcome', 'count', ''], lines, 2)}\n\nwrote {args.log}"
+    data |= {"kills": kills, "bad": bad, "log": str(args.log)}
+    text = table(["work", "outcome", "cases", ""], lines, 2)
+    killed = ", ".join(f"{name} {count}" for name, count in kills.items())
+    text += f"\n\nkills: {killed}\nwrote {args.log}"
     show(args.json, data, text)
     if bad:
         sys.exit(1)
@@ -134,31 +142,32 @@ def _shared(todo: list[int], jobs: int, one: Any) -> None:
                 os._exit(1)
             os._exit(0)
         children.append(child)
-    if any([os.waitpid(child, 0)[1] for child in children]):
+    codes = [os.waitpid(child, 0)[1] for child in children]
+    if any(codes):
         raise ChildProcessError("a process that kills others ended early; call again to go on")
 
 
 def _known(work: Any, folder: Path) -> Known:
-    """Run without kills: here, which loads and compiles all, and in a process as those killed."""
+    """Load and compile all that is needed here, then run twice in processes of their own."""
     from _kill_works import names_in
     from _kills import forked
 
-    for place in ("first", "second"):
-        (folder / place / "case").mkdir(parents=True)
+    places = [folder / name / "case" for name in ("warm", "first", "second")]
+    for place in places:
+        place.mkdir(parents=True)
     before = Path.cwd()
-    os.chdir(folder / "first" / "case")
+    os.chdir(places[0])
     try:
-        _silently(work.run)
+        _silently(work.warm or work.run)
     finally:
         os.chdir(before)
-    there = folder / "second" / "case"
-    ended = forked(work.run, there)
-    if ended.how != "done":
-        raise ChildProcessError(f"a run that is not killed {ended.how}: {ended.said}")
-    result = work.result(there)
-    if _differing(result, work.result(folder / "first" / "case")):
-        raise ChildProcessError("two runs that are not killed differ")
-    return Known(result, names_in(there), ended.changes, ended.seconds)
+    runs = [forked(work.run, place) for place in places[1:]]
+    if said := [f"{one.how}: {one.said}" for one in runs if one.how != "done"]:
+        raise ChildProcessError(f"a run that is not killed does not come to its end: {said[0]}")
+    result, again = (work.result(place) for place in places[1:])
+    if different := _differing(result, again):
+        raise ChildProcessError(f"two runs that are not killed differ: {different}")
+    return Known(result, names_in(places[1]), runs[1].changes, runs[1].seconds)
 
 
 def _silently(run: Any) -> None:
@@ -184,7 +193,8 @@ def _case_logged(name: str, work: Any, known: Known, args, folder: Path, number:
         case = Path(place) / "case"
         case.mkdir()
         outcome, moments = _case(work, known, case, rng)
-    row = {"work": name, "number": number, "outcome": outcome, "kills": len(moments)}
+    row = {"work": name, "number": number, "outcome": outcome}
+    row |= {"kills": sum(moment.startswith("killed") for moment in moments)}
     with args.log.open("a") as log:  # one short line in one go: others write here, too
         log.write(json.dumps(row | {"moments": moments}) + "\n")
 

@@ -11,6 +11,7 @@ import dataclasses
 import difflib
 import itertools
 import math
+import re
 import types
 import typing
 from collections.abc import Iterable, Iterator, Mapping
@@ -21,9 +22,11 @@ import numpy as np
 from ship_gym.conventions import KNOT
 
 LONGEST = 300  # characters of a line of an error
-_KNOWN = "Known: "  # before a list of names
+_MOST_NAMES = 100  # characters of the known names in it
 MOST_FINDINGS = 100  # lines of an error
-_TINY, _HUGE = 1e-30, 1e30  # no quantity of a ship or a sea is smaller, but zero, or larger
+_LONG_WORD = re.compile(r"[^\s'\"]{24,}")
+# no quantity of a ship or a sea is smaller, but zero, or larger
+SMALLEST, LARGEST = 1e-30, 1e30
 
 
 class ConfigError(ValueError):
@@ -42,27 +45,20 @@ class ImplausibleShip(UserWarning):
 
 
 def cut(line: str, most: int = LONGEST) -> str:
-    """A line of at most `most` characters: of a longer one parts are left out.
-
-    First of the list of what is known, then of its longest word, which is a path or a value, so
-    that what is said of them stays.
-    """
+    """A line of at most `most` characters: long paths lose their beginning, then it its middle."""
     line = "".join(c if c.isprintable() else " " for c in line)
+    if len(line) > most:
+        line = _LONG_WORD.sub(_end_of_path, line)
     if len(line) <= most:
         return line
-    told, known, names = line.rpartition(_KNOWN)
-    if known and len(told) <= most - 50:
-        return told + known + _without_middle(names, most - len(told) - len(known))
-    word = max(line.split(" "), key=len)
-    left = len(word) - (len(line) - most)
-    if left < 30:
-        return _without_middle(line, most)
-    return line.replace(word, _without_middle(word, left), 1)
-
-
-def _without_middle(text: str, most: int) -> str:
     half = (most - 5) // 2
-    return f"{text[:half]} ... {text[-half:]}"
+    return f"{line[:half]} ... {line[-half:]}"
+
+
+def _end_of_path(word: re.Match) -> str:
+    """The last three names of a long path; another word as it is."""
+    names = word[0].split("/")
+    return "/".join(["...", *names[-3:]]) if len(names) > 4 else word[0]
 
 
 def shown(value: object, most: int = 60) -> str:
@@ -150,11 +146,15 @@ UNITS: dict[str, tuple[float, str]] = {
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
-    """Text ``did you mean 'x'? Known: ...`` for an unknown name."""
+    """Text ``did you mean 'x'? Known: ...`` for an unknown name; of many names the first ones."""
     known = sorted(str(k) for k in known)
     close = difflib.get_close_matches(shown(name)[:80].strip("'"), known, n=1, cutoff=0.4)
     guess = f" did you mean {close[0]!r}?" if close else ""
-    return f"{guess} {_KNOWN}{', '.join(known)}"
+    names = ", ".join(known)
+    if len(names) > _MOST_NAMES:
+        fitting = names[:_MOST_NAMES].rpartition(", ")[0]
+        names = f"{fitting} and {len(known) - fitting.count(', ') - 1} more"
+    return f"{guess} Known: {names}"
 
 
 def check_known(kind: str, name: str, known: Iterable[str]) -> str:
@@ -195,9 +195,10 @@ def check_number(
         raise ConfigError(f"{field} = {shown(value)}: must be finite [{unit}]")
     if not (math.isfinite(number) and low <= value <= high):  # value: an integer is exact
         raise ConfigError(f"{field} = {shown(value)}: allowed is {low:g} to {high:g} [{unit}]")
-    if number and not _TINY <= abs(number) <= _HUGE:
+    if number and not SMALLEST <= abs(number) <= LARGEST:
         raise ConfigError(
-            f"{field} = {shown(value)}: allowed is 0, or {_TINY:g} to {_HUGE:g} in size [{unit}]"
+            f"{field} = {shown(value)}: allowed is 0, or {SMALLEST:g} to {LARGEST:g} in size "
+            f"[{unit}]"
         )
     return number
 
@@ -272,6 +273,14 @@ def unknown_keys(values: Iterable[str], known: Iterable[str]) -> list[str]:
     """Those of `values` that are not `known`, not more than an error has lines."""
     known = set(known)
     return list(itertools.islice((key for key in values if key not in known), MOST_FINDINGS + 1))
+
+
+def build_part(cls: type, values: object, where: str) -> Any:
+    """As `build`, of what a file says for people too: keys that are no fields are passed over."""
+    if not isinstance(values, Mapping):
+        raise ConfigError(f"{where} = {shown(values)}: must be a table of keys")
+    known = {field.name for field in dataclasses.fields(cls)}
+    return build(cls, {key: value for key, value in values.items() if key in known}, where)
 
 
 def _convert(kind: Any, value: Any, where: str) -> Any:

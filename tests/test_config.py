@@ -1,5 +1,6 @@
 import dataclasses
 import math
+import time
 
 import pytest
 
@@ -134,12 +135,9 @@ def test_read_text_falls_back_only_where_it_may(tmp_path):
         read_text(tmp_path)
 
 
-def test_a_long_line_loses_what_says_least():
-    known = ", ".join(f"name_{k}" for k in range(100))
-    line = cut(f"mine.toml: unknown key 'nam'; did you mean 'name_1'? Known: {known}")
-    assert line.startswith("mine.toml: unknown key 'nam'; did you mean 'name_1'? Known: name_0, ")
-    assert line.endswith("name_99") and len(line) <= LONGEST
-    line = cut(f"/tmp/{'a' * 400}/mine.toml: draught = 7: allowed is 1 to 2 [m]; give another one")
-    assert line.endswith("/mine.toml: draught = 7: allowed is 1 to 2 [m]; give another one")
-    assert len(line) == LONGEST or len(line) == LONGEST - 1
-    assert len(cut("a " * 400)) <= LONGEST
+def test_a_long_line_loses_the_beginning_of_a_path_in_no_time():
+    path = f"/tmp/{'folder/' * 60}mine.toml"
+    assert cut(f"{path}: x = 7") == ".../folder/folder/mine.toml: x = 7"
+    start = time.process_time()
+    assert max(len(cut(c * 200_000)) for c in ("a", "/", "a/", "'")) <= LONGEST
+    assert time.process_time() - start < 2.0

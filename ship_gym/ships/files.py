@@ -61,22 +61,22 @@ def base_of(data: Mapping[str, Any], path: Path) -> str | None:
     return str(path.parent / base)
 
 
-def chain_of(path: Path) -> list[Path]:
-    """A ship file, the one that it scales, the one that that scales, and so on.
+def chain_of(path: Path) -> list[tuple[Path, dict[str, Any]]]:
+    """A ship file, the one that it scales, the one that that scales, and so on, with its values.
 
     Raises
     ------
     ConfigError
         The files scale each other in a circle, or there are more than `LONGEST_CHAIN`.
     """
-    chain, seen = [path], [path.resolve()]
-    while base := base_of(read_toml(chain[-1]), chain[-1]):
+    first, chain, seen = path, [(path, read_toml(path))], [path.resolve()]
+    while base := base_of(chain[-1][1], chain[-1][0]):
         path = file_of(base)
         if path.resolve() in seen:
             circle = " -> ".join(one.name for one in (*seen, path.resolve()))
-            raise ConfigError(f"{chain[0]}: scaled_from goes in a circle: {circle}")
+            raise ConfigError(f"{first}: scaled_from goes in a circle: {circle}")
         if len(chain) == LONGEST_CHAIN:
-            raise ConfigError(f"{chain[0]}: scaled_from: more than {LONGEST_CHAIN} files in a row")
-        chain.append(path)
+            raise ConfigError(f"{first}: scaled_from: more than {LONGEST_CHAIN} files in a row")
+        chain.append((path, read_toml(path)))
         seen.append(path.resolve())
     return chain

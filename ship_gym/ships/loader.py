@@ -14,8 +14,9 @@ from ship_gym.reading import read_toml
 from ship_gym.ships.files import Named, base_of, chain_of, file_of, name_of, text_of
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.plausible import checked, warn_of
-from ship_gym.ships.records import numbered
+from ship_gym.ships.records import numbered, surrogate_names
 from ship_gym.ships.ship_file import complete_ship, scaled_ship
+from ship_gym.ships.surrogate_card import check_surrogate
 from ship_gym.tables import Table
 
 _SAME_SHIP = 0.02  # of D / L: rounding of printed particulars
@@ -27,7 +28,7 @@ _CAPTIVE = ("open_water", "rudder.epsilon", "rudder.kappa", "rudder.gamma_R_p", 
 
 def available_variants(ship: Named) -> list[str]:
     """Hull variants of a ship beside its default, e.g. ``["hull_a", "hull_c"]``."""
-    folders = [path.parent for path in chain_of(file_of(ship))]
+    folders = [path.parent for path, _ in chain_of(file_of(ship))]
     return [
         variant
         for folder in folders
@@ -37,8 +38,13 @@ def available_variants(ship: Named) -> list[str]:
 
 def available_surrogates(ship: Named) -> list[str]:
     """Propeller and rudder surrogates of a ship; ``"none"`` (MMG rudder) and Beaufoy's first."""
-    path = chain_of(file_of(ship))[-1]
-    propeller = read_toml(path).get("propeller")
+    path, data = chain_of(file_of(ship))[-1]
+    return _surrogates(path, data)
+
+
+def _surrogates(path: Path, data: Mapping[str, Any]) -> list[str]:
+    """As `available_surrogates`, of a complete file with its values."""
+    propeller = data.get("propeller")
     twin = isinstance(propeller, Mapping) and "y_P" in propeller
     return [
         *(FORMULAS[:1] if twin else FORMULAS),
@@ -119,10 +125,8 @@ def _loaded(name: str, surrogate: str | None, variant: str | None) -> Ship:
 
 @lru_cache(maxsize=32)
 def _load(name: str, surrogate: str | None, variant: str | None) -> Ship:
-    path = file_of(name)
-    data = read_toml(path)
+    path, data = chain_of(file_of(name))[0]
     if base := base_of(data, path):
-        chain_of(path)  # no circle
         ship = scaled_ship(_loaded(base, surrogate, variant), data, path)
     else:
         label = str(path)
@@ -131,18 +135,18 @@ def _load(name: str, surrogate: str | None, variant: str | None) -> Ship:
             data = merged(data, read_toml(path.with_name(f"{variant}.toml")))
             label = f"{path} with {variant}.toml"
         ship = complete_ship(data, path, label)
-        ship = _with_surrogate(ship, data, path.parent, name, surrogate)
+        ship = _with_surrogate(ship, data, path, name, surrogate)
         ship = checked(ship, label)  # a surrogate may bring a rudder law
     return dataclasses.replace(ship, name=name_of(path))
 
 
-def _with_surrogate(ship: Ship, data, folder: Path, name: str, wanted: str | None) -> Ship:
+def _with_surrogate(ship: Ship, data, path: Path, name: str, wanted: str | None) -> Ship:
     """Attach a fitted surrogate table and the effective-inflow law that was fitted with it."""
     entry = data.get("surrogate", {})
     wanted = wanted or entry.get("default", "none")
     if wanted == "regression":  # the family, beside "gp" and "nn"
         wanted = entry.get("default", "none")
-    known = available_surrogates(name)
+    known = _surrogates(path, data)
     if wanted == entry.get("default") and wanted not in known:
         raise ConfigError(
             f"{name}: surrogate.default = {shown(wanted)}: no such surrogate_*.npz beside the file"
@@ -152,8 +156,12 @@ def _with_surrogate(ship: Ship, data, folder: Path, name: str, wanted: str | Non
         return ship
     if wanted == "beaufoy":
         return with_beaufoy(ship)
-    table = Table.load(folder / f"surrogate_{wanted}.npz")
-    return attach_surrogate(ship, table, wanted)
+    file = path.with_name(f"surrogate_{wanted}.npz")
+    table = Table.load(file)
+    try:
+        return attach_surrogate(ship, table, wanted)
+    except ConfigError as error:
+        raise ConfigError(f"{file}: {error}") from None
 
 
 def with_beaufoy(ship: Ship) -> Ship:
@@ -196,9 +204,7 @@ def attach_surrogate(ship: Named | Ship, table: Table, name: str) -> Ship:
         with another number of propellers.
     """
     ship = load_ship(ship)
-    for key in ("made_for", "effective_inflow", "domain"):
-        if key not in table.card:
-            raise ConfigError(f"surrogate {name}: its card has no {key!r}; fit it again")
+    check_surrogate(table, {units: surrogate_names(units) for units in (1, 2)}, name)
     made, law = table.card["made_for"], table.card["effective_inflow"]
     ratio = ship.hull.L / made["L"]
     if abs(ship.propeller.D / (made["D"] * ratio) - 1.0) > _SAME_SHIP:

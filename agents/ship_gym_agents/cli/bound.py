@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import Several, environment, out, verb
+from ship_gym_agents.cli.options import Several, environment, force, out, verb
 from ship_gym_agents.cli.values import Name, Number, whole
 
 
@@ -37,7 +37,8 @@ several starts is an estimate of what no controller can pass, not a bound.""",
     help="Instead: the front of error against wear, one optimum for each weight of the rudder.",
 )
 @out(".json", "Results; default: runs/bound.json.")
-def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out, **options):
+@force()
+def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out, force, **options):
     """Estimate the best that control can reach: optimised plans with full knowledge.
 
     Intervals: 95 % bootstrap over the episodes.
@@ -45,8 +46,10 @@ def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out
     from ship_gym.evaluation import evaluation_seeds
     from ship_gym.provenance import held
     from ship_gym_agents.cli.output import place, progress, show
+    from ship_gym_agents.cli.replace import BOUND, check_replaced
     from ship_gym_agents.cli.sailing import own_task, resolved, wanted
 
+    check_replaced(out, BOUND, force)
     out = place(out, "runs/bound.json")
     name = own_task(task)
     env = wanted(options, name)

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import MayStandAlone, Several, out, report, seed, ship, verb
+from ship_gym_agents.cli.options import MayStandAlone, Several, force, out, report, seed, ship, verb
 from ship_gym_agents.cli.values import Number, OutFolder, whole
 
 _COLUMNS = """
@@ -51,6 +51,7 @@ ship_gym/surrogates/data/kcs_propeller_rudder_cfd.csv
 @out(".npz", "Table file; default: runs/surrogate_<data>_<fit>.npz.")
 @out(".png", "Draw the surrogate.", "--plot")
 @report()
+@force()
 @click.option(
     "--install",
     cls=MayStandAlone,
@@ -97,6 +98,7 @@ class Asked:
     out: Path | None
     plot: Path | None
     report: Path | None
+    force: bool
 
 
 def _install(folder: Path) -> list[str]:
@@ -190,9 +192,11 @@ def _fit_one(asked: Asked) -> tuple[dict, str]:
     from ship_gym.reports.surrogate_sections import sections
     from ship_gym.ships.loader import attach_surrogate
     from ship_gym_agents.cli.output import place, report_page
+    from ship_gym_agents.cli.replace import check_replaced, surrogate
 
     place(asked.out, "runs/surrogate.npz")  # the fit names it, in this folder
     data, ship, options, choice = _chosen(asked)
+    check_replaced(asked.out, surrogate(data.name, ship.name), asked.force)
     usual = "-".join(filter(None, ("surrogate", data.name, options.family, *choice)))
     with held(asked.out or Path("runs") / f"{usual}.npz", "fits this table"):
         found, table, facts = _fitted(data, ship, options, choice)

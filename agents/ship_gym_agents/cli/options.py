@@ -123,6 +123,16 @@ def report():
     )
 
 
+def force():
+    """Option ``--force``; ``replace.check_replaced`` says when it is needed."""
+    return click.option(
+        "--force",
+        is_flag=True,
+        help="Replace the file that was named, whatever it holds; without it only an earlier "
+        "result of the same. Pictures and pages are always replaced.",
+    )
+
+
 def jobs():
     """Option ``--jobs``."""
     return click.option(

@@ -31,6 +31,14 @@ def read_curve(path: str | Path) -> dict[str, list[float | None]]:
     return {name: table.maybe_numbers(name) for name in table.columns if table.lines}
 
 
+def is_stale(folder: str | Path) -> bool:
+    """Whether the picture of a run is older than its curve, or missing."""
+    curve, picture = (Path(folder) / name for name in (CURVE_FILE, CURVE_PICTURE))
+    if not curve.is_file():
+        return False
+    return not picture.is_file() or picture.stat().st_mtime_ns < curve.stat().st_mtime_ns
+
+
 def draw_curves(out: str | Path, folders: Sequence[str | Path] | None = None) -> Path | None:
     """Draw what the validations of a run show, or those of several seeds in one picture.
 
