@@ -207,6 +207,7 @@ VALUES = [
     ("baseline.json", '{"a": 1.0}', "[1.0]", "ratios = \\[1.0\\]: must be a table of keys"),
     ("card.json", '"running"', '"runing"', "status = 'runing':.*did you mean 'running'"),
     ("card.json", '"status"', '"state"', "missing key 'status'"),
+    ("card.json", "[1, 16]", "[1]", "validation_seeds = .1.0.: must be two numbers"),
     ("card.json", '"seed": 0', '"seed": -1', "config.seed = -1: allowed is 0 to"),
     ("card.json", '{"minutes": 1.0, "steps": null}', "null", "budget = null: must have a value"),
     ("card.json", '"success": 1.0', '"success": "x"', "validations.0..success = 'x'"),
