@@ -13,6 +13,7 @@ import io
 import json
 import math
 import os
+import re
 import stat
 import tomllib
 import zipfile
@@ -35,6 +36,10 @@ _MARKS = {
     codecs.BOM_UTF16_LE: "utf-16-le",
     codecs.BOM_UTF16_BE: "utf-16-be",
 }
+# Dots between words: the parser takes a time that grows with the square of the parts of a key.
+_DOT = re.compile(r"(?<=[\w\"'])[ \t]*\.[ \t]*(?=[\w\"'])")
+_PARTS = re.compile("[={,\n]")
+_DEEPEST = 100
 _WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # xlsx and ods; xls
 
 
@@ -141,7 +146,13 @@ def _decoded(path: Path, data: bytes, fallback: str | None) -> str:
 
 def read_toml(path: str | os.PathLike) -> dict[str, Any]:
     """Read a TOML file; a missing or malformed file is a ConfigError with its path."""
-    text = read_text(path)
+    return parsed_toml(read_text(path), path)
+
+
+def parsed_toml(text: str, path: str | os.PathLike) -> dict[str, Any]:
+    """Values of a text in TOML, as `read_toml` reads one; `path` is for the message."""
+    if any(len(_DOT.findall(part)) > _DEEPEST for part in _PARTS.split(text)):
+        raise ConfigError(f"{path}: not a valid TOML file: a key of more than {_DEEPEST} parts")
     with read_as(path, "a valid TOML file"):
         return tomllib.loads(text)
 
@@ -193,7 +204,8 @@ def npz_arrays(
     data: bytes, path: str | os.PathLike, what: str = "an npz file"
 ) -> dict[str, np.ndarray]:
     """Arrays of the bytes of an npz file, as `read_npz` reads one; `path` is for the message."""
-    with read_as(path, what), np.load(io.BytesIO(data), allow_pickle=False) as found:
+    with read_as(path, what):
+        found = np.load(io.BytesIO(data), allow_pickle=False)
         if not isinstance(found, np.lib.npyio.NpzFile):
             raise ValueError("holds one array without a name")
         check_unpacked(found.zip)

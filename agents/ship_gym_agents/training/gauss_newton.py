@@ -159,6 +159,7 @@ class _Search:
             weights=weights,
             counts=np.array([self._iterations, self._idle, self.samples]),
             damping=np.array(self._damping),
+            cost=np.array(np.nan if self._cost is None else self._cost),
         )
 
     def _load(self, file: Path) -> None:
@@ -174,19 +175,26 @@ class _Search:
         self._vector, self._damping = state["vector"], float(state["damping"])
         with read_as(file, "a state of Gauss-Newton"):
             self._normaliser = Normaliser(state["mean"], state["scale"], float(state["limit"]))
-        self._iterations, self._idle, self._sailed_before = map(int, state["counts"].tolist())
-        weights = state["weights"]
+            self._iterations, self._idle, self._sailed_before = map(int, state["counts"].tolist())
+            weights = state["weights"]
+            cost = float(state["cost"]) if "cost" in state else np.nan  # older ones have none
         self._weights = weights if len(weights) else None
-        self._base = self._cost = None
+        self._base, self._cost = None, None if np.isnan(cost) else cost
 
     def _need_normaliser(self) -> None:
         if self._normaliser is None:
             self._normaliser = self._voyages.scales(self._network(self._vector))
 
     def _begin(self) -> None:
-        """Sail the present weights; the first time, weigh the episodes."""
+        """Sail the present weights; the first time, weigh the episodes.
+
+        What an earlier part of the run has sailed already is not counted again.
+        """
         self._need_normaliser()
+        before = self._voyages.samples
         sailed = self._voyages.sail([self._network(self._vector)], self._normaliser)
+        if self._cost is not None:
+            self._sailed_before -= self._voyages.samples - before
         if self._weights is None:
             self._weights = self._weighed(np.square(sailed[0], dtype=np.float64).sum(axis=1))
         self._base = self._flat(sailed)[0]
