@@ -288,10 +288,10 @@ def _convert(kind: Any, value: Any, where: str) -> Any:
         if dataclasses.is_dataclass(value):
             return value
         return _build(kind, value, where)
-    if typing.get_origin(kind) is tuple:
+    if (sequence := typing.get_origin(kind)) in (tuple, list):
         if not isinstance(value, list | tuple | np.ndarray):
             raise ConfigError(f"{where} = {shown(value)}: must be a list")
-        return tuple(_convert(typing.get_args(kind)[0], item, where) for item in value)
+        return sequence(_convert(typing.get_args(kind)[0], item, where) for item in value)
     if dict in (kind, typing.get_origin(kind)):
         if not isinstance(value, Mapping):
             raise ConfigError(f"{where} = {shown(value)}: must be a table of keys")

@@ -414,7 +414,8 @@ def test_a_run_is_not_resumed_by_python_that_its_card_names(tmp_path, monkeypatc
     (tmp_path / "own.py").write_text("from pathlib import Path\nPath('trace').touch()\n")
     made = plain(run_config("ppo", settings={"form.base": "pid"}))
     made["hyperparameters"]["form"]["base"] = "own.py:Own"
-    (tmp_path / "card.json").write_text(json.dumps({"config": made}))
+    card = {"name": "a", "status": "running", "config": made, "budget": {"steps": 100}}
+    (tmp_path / "card.json").write_text(json.dumps(card | {"validations": []}))
     with pytest.raises(ConfigError, match=r"card.json: steers by own.py:Own, which is Python code"):
         load_config(tmp_path)
     assert not (tmp_path / "trace").exists()
