@@ -10,6 +10,7 @@ from ship_gym_agents.pid import load_gains
 
 from ship_gym.config import LONGEST, ConfigError
 from ship_gym.csv_file import read_csv
+from ship_gym.evaluation.about import check_about
 from ship_gym.evaluation.episodes_table import check_row
 from ship_gym.evaluation.headroom import read as read_headroom
 from ship_gym.evaluation.run_folder import RunFolder
@@ -286,6 +287,27 @@ def test_a_damaged_unit_of_a_benchmark_is_sailed_again(tmp_path):
 def test_a_row_of_an_episode_says_what_is_wrong_with_it():
     with pytest.raises(ConfigError, match=r"00000.json: rows.seed = 1.5: must be of type int64"):
         check_row({"seed": 1.5}, "00000.json")
+
+
+@pytest.mark.parametrize(
+    ("about", "words"),
+    [
+        ({"controllers": 7}, "results: controllers = 7: must be a table of keys"),
+        ({"controllers": {"pid": []}}, r"controllers.pid = \[\]: must be a table of keys"),
+        ({"suites": {"a": {"controls": {"b": 1}}}}, "suites.a.controls.b = 1: must be a text"),
+        ({"refused": [{"why": "x"}]}, r"missing key 'controller' in refused\[0\]"),
+        ({"recordings": {"files": {"a": 1}}}, "recordings.files.a = 1: must be a table"),
+        ({"command": []}, r"command = \[\]: must be a text"),
+    ],
+)
+def test_what_results_say_of_themselves_is_checked(about, words):
+    with pytest.raises(ConfigError, match=words):
+        check_about(about, "results")
+
+
+def test_what_results_do_not_say_is_left_out():
+    about = {"controllers": {"pid": {"named": None}}, "suites": None, "jobs": None}
+    assert check_about(about, "results") == {"controllers": {"pid": {}}, "jobs": None}
 
 
 def test_keys_name_where_they_stand():
