@@ -83,7 +83,9 @@ def basis(ship: Ship, name: str, speed: float | None) -> float | None:
 def values_of(ship: Ship) -> Iterator[tuple[str, dict[str, Any], Mapping[str, Range], float]]:
     """Prefix of the keys, values, ranges and speed of every part of a ship that has ranges."""
     speed = ship.speed and ship.share and ship.speed / ship.share
-    yield "", {name: getattr(ship, name) for name in TOP} | {"speed": speed}, TOP, speed
+    L = basis(ship, "L", speed)
+    top = {"full_length / hull.L": ship.full_length / L if L and ship.full_length else None}
+    yield "", vars(ship) | {"speed": speed} | top, TOP, speed
     for name, table in RANGES.items():
         if (section := getattr(ship, name)) is not None:
             yield f"{name}.", vars(section), table, speed
