@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -205,8 +204,11 @@ def _overrides(ctx: click.Context, param: click.Parameter, given: Sequence[str])
 
 def toml_value(text: str) -> Any:
     """The value of a TOML text; what is none is the text itself, so that names need no quotes."""
+    from ship_gym.config import ConfigError  # late: it imports Gymnasium
+    from ship_gym.reading import parsed_toml
+
     try:
-        found = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+        found = parsed_toml(f"value = {text}", "--set")
+    except ConfigError:
         return text
     return found["value"] if len(found) == 1 else text

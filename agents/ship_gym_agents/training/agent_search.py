@@ -17,6 +17,7 @@ from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.evaluation.engines import Work, engine_of
 from ship_gym.evaluation.splits import tuning_seeds
+from ship_gym.keys import read_keys
 from ship_gym.provenance import atomic_path, provenance
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training.run import Report
@@ -108,7 +109,7 @@ def _check_earlier(plan: Plan, out: Path, resume: bool) -> None:
     if file.is_file():
         if not resume:
             raise ConfigError(f"{out} holds a search; resume it or choose another folder")
-        before = json.loads(file.read_text(encoding="utf-8"))["plan"]
+        before = read_keys(file).table("plan").values
         different = sorted(key for key in plan.plain if plan.plain[key] != before.get(key))
         if different:
             raise ConfigError(

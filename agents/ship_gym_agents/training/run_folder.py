@@ -15,11 +15,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError
 from ship_gym.provenance import atomic_path, locked, sweep
-from ship_gym.reading import read_json
 from ship_gym_agents.policies.policy_file import POLICY_FILE
-from ship_gym_agents.sb3.config import CARD_FILE
+from ship_gym_agents.sb3.run_card import CARD_FILE, read_run_card, read_run_state
 from ship_gym_agents.training.curves import CURVE_FILE, CURVE_PICTURE, write_curve
 
 _LOCK, _CHECKPOINTS, _STATE, _UNFINISHED = "lock", "checkpoint", "run.json", "unfinished"
@@ -76,10 +74,7 @@ class TrainingFolder:
     def _read(file: Path) -> dict[str, Any] | None:
         if not file.is_file():
             return None
-        found = read_json(file)
-        if not isinstance(found, dict):
-            raise ConfigError(f"{file}: not the card of a run")
-        return found
+        return read_run_card(file)
 
     def write_card(self, card: Mapping[str, Any]) -> dict[str, Any]:
         """Write the card between two generations; it names the last one, and is returned."""
@@ -144,7 +139,7 @@ class TrainingFolder:
     def state(self) -> dict[str, Any] | None:
         """What the last complete generation says of the run; None if there is none."""
         last = self.checkpoint()
-        return None if last is None else read_json(last / _STATE)
+        return None if last is None else read_run_state(last / _STATE)
 
     @property
     def _number(self) -> int:
