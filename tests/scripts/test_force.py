@@ -93,6 +93,15 @@ def test_a_policy_of_another_run_is_kept(cli, tmp_path):
     assert (tmp_path / "mine.safetensors").read_bytes() != before
 
 
+def test_an_exported_model_is_known_by_its_policy(cli, tmp_path):
+    pytest.importorskip("onnx")
+    assert cli("export", "ppo_kcs", "--out", "x.onnx")[0] == 0
+    assert cli("export", "ppo_kcs", "--out", "x.onnx")[0] == 0, "the same again"
+    assert "--force" in cli("export", "heading_kcs", "--out", "x.onnx")[2]
+    (tmp_path / "x.onnx").write_bytes(b"\xff\x01")
+    assert "holds no such result" in cli("export", "ppo_kcs", "--out", "x.onnx")[2]
+
+
 @pytest.mark.parametrize(
     ("words", "of_another"),
     [
