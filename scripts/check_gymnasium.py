@@ -21,14 +21,17 @@ ROOT = Path(__file__).resolve().parents[1]
 KNOWN = Path(__file__).with_name("gymnasium_tests.toml")
 HELP = """\
 FOLDER is a checkout of Gymnasium, or its folder tests; nothing in it is changed. Each test file
-that names an environment is run twice, as it is and with our ids and classes in place of
-Gymnasium's. A failure counts as explained where the test fails with Gymnasium's environments too
-(a library is missing here), or where scripts/gymnasium_tests.toml says what it takes for granted.
-Exit code 1: a failure that neither explains.
+that names an environment is run as it is, with our ids and classes in place of Gymnasium's, and
+tests of vectors and their wrappers once more with the native vector environment in place of
+SyncVectorEnv and AsyncVectorEnv. A failure counts as explained where the test fails with
+Gymnasium's environments too (of another version, or a library is missing here), or where
+scripts/gymnasium_tests.toml says what it takes for granted. Exit code 1: a failure that neither
+explains. The whole takes some 20 minutes, 15 of them for test_record_video, which draws pictures.
 """
 EXAMPLES = (
     "python scripts/check_gymnasium.py ~/Gymnasium",
     "python scripts/check_gymnasium.py ~/Gymnasium --only test_make_vec --json",
+    "python scripts/check_gymnasium.py ~/Gymnasium --skip record_video",
 )
 PLACES = ("vector", "wrappers/vector", "envs/vector", "envs/registration", "envs")
 IDS = {
@@ -48,6 +51,35 @@ OURS = {
     r'"gymnasium\.envs\."': '"ship_gym.envs."',  # which specs the tests of all specs take
     **{re.escape(f'"{theirs}"'): f'"{ours}"' for theirs, ours in IDS.items()},
 }
+NATIVE = """
+import gymnasium as gym
+import ship_gym
+
+before = gym.make_vec
+
+
+def make_vec(id, num_envs=1, vectorization_mode=None, vector_kwargs=None, wrappers=None, **more):
+    given = {"vectorization_mode": vectorization_mode, "vector_kwargs": vector_kwargs}
+    if str(id).startswith("ShipGym/") and vectorization_mode is not None and not wrappers:
+        given, more = {}, {**(vector_kwargs or {}), **more}
+    return before(id, num_envs, wrappers=wrappers, **given, **more)
+
+
+def native(env_fns, autoreset_mode="NextStep", copy=True, **_):
+    made = env_fns[0]()
+    return ship_gym.ShipVectorEnv(
+        len(env_fns),
+        scenario=made.unwrapped.scenario,
+        render_mode=made.render_mode,
+        autoreset_mode=autoreset_mode,
+        copy=copy,
+    )
+
+
+gym.make_vec = make_vec
+gym.vector.SyncVectorEnv = gym.vector.AsyncVectorEnv = native
+"""
+BY_NATIVE = ("vector/", "wrappers/vector/")
 # Of an environment itself: what it is called, not how it is built.
 LEFT_OUT = ("test_env_spec.py", "test_register.py", "test_pprint_registry.py", "test_spec.py")
 _LIMIT = 900.0  # s for one file
@@ -59,17 +91,20 @@ def main() -> None:
     made = parser(HELP, EXAMPLES)
     made.add_argument("folder", type=Path, metavar="FOLDER", help="checkout of Gymnasium")
     made.add_argument("--only", metavar="WORD", help="only files whose name has this in it")
+    made.add_argument("--skip", metavar="WORD", help="no files whose name has this in it")
     args = made.parse_args()
     tests = tests_of(args.folder)
     files = [name for name in files_of(tests) if (args.only or "") in name]
+    files = [name for name in files if not (args.skip and args.skip in name)]
     if not files:
         from ship_gym.config import ConfigError
 
-        raise ConfigError(f"--only {args.only}: no file of tests that names an environment has it")
+        raise ConfigError("--only and --skip leave no file of tests that names an environment")
     found = checked(tests, files)
     counts = Counter(one["class"] for one in found)
-    rows = [[one["class"], one["test"], one["reason"]] for one in found if one["reason"]]
-    text = table(["", "test", "why"], rows, 2) if rows else "every test passes"
+    names = ("class", "by", "test", "reason")
+    rows = [[one[name] for name in names] for one in found if one["reason"]]
+    text = table(["", "by", "test", "why"], rows, 2) if rows else "every test passes"
     total = ", ".join(f"{count} {what}" for what, count in counts.most_common())
     show(args.json, {"counts": dict(counts), "tests": found}, f"{text}\n{total}")
     if counts["unexplained"]:
@@ -113,18 +148,26 @@ def checked(tests: Path, files: list[str]) -> list[dict[str, str]]:
     known = tomllib.loads(KNOWN.read_text(encoding="utf-8"))["known"]
     found = []
     with tempfile.TemporaryDirectory() as folder:
-        theirs, ours = Path(folder, "theirs"), Path(folder, "ours")
-        for place in (theirs, ours):
-            shutil.copytree(tests, place / "tests", ignore=shutil.ignore_patterns("__pycache__"))
-        for path in (ours / "tests").rglob("*.py"):
-            path.write_text(in_ours(path.read_text(encoding="utf-8")), encoding="utf-8")
-        (ours / "tests" / "ships.py").write_text(CLASSES, encoding="utf-8")
-        (ours / "conftest.py").write_text("import ship_gym\n", encoding="utf-8")
+        theirs, ours, native = (Path(folder, name) for name in ("theirs", "ours", "native"))
+        for place, first in ((theirs, ""), (ours, "import ship_gym\n"), (native, NATIVE)):
+            _copy(tests, place, first)
         for file in progress(files, "test files"):
             before = {_renamed(name) for name, says in results(theirs, file) if says}
-            for name, says in results(ours, file):
-                found.append({"test": f"{file}::{name}", **classified(name, says, before, known)})
+            for place in (ours, native) if file.startswith(BY_NATIVE) else (ours,):
+                for name, says in results(place, file):
+                    by = {"test": f"{file}::{name}", "by": place.name}
+                    found.append(by | classified(name, says, before, known))
     return found
+
+
+def _copy(tests: Path, place: Path, first: str) -> None:
+    """The tests at a place, with `first` run before them, and ours in it if there is such."""
+    shutil.copytree(tests, place / "tests", ignore=shutil.ignore_patterns("__pycache__"))
+    if first:
+        for path in (place / "tests").rglob("*.py"):
+            path.write_text(in_ours(path.read_text(encoding="utf-8")), encoding="utf-8")
+        (place / "tests" / "ships.py").write_text(CLASSES, encoding="utf-8")
+        (place / "conftest.py").write_text(first, encoding="utf-8")
 
 
 def _renamed(name: str) -> str:
