@@ -9,12 +9,14 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, check_known, shown
 from ship_gym.evaluation.metrics import all_metrics
+from ship_gym.keys import Keys
 from ship_gym.provenance import atomic_path
 
 if TYPE_CHECKING:
@@ -24,6 +26,8 @@ SORTED_BY = ("suite", "scenario", "ship", "controller", "seed")
 RUN_TIMES = ("decision_ms",)
 _ABOUT = b"ship_gym"  # key of the schema's metadata
 _TEXT, _WHOLE, _TRUTH, _NUMBER = "string", "int64", "bool", "float64"
+_TYPES = {_TEXT: str, _WHOLE: int, _TRUTH: bool, _NUMBER: int | float}
+_MOST = {_WHOLE: 2**63, _NUMBER: 10**308}
 
 # Columns before and after those of the metrics, with their types. Encounter angles: 0 from astern,
 # 180 from ahead, of the first ordered heading or leg, positive from starboard; null where there is
@@ -89,18 +93,41 @@ def arrow() -> Any:
     return pyarrow, pyarrow.parquet
 
 
-def schema() -> pyarrow.Schema:
+def columns() -> dict[str, str]:
     """Names and types of the columns."""
+    return BEFORE | dict.fromkeys(all_metrics(), _NUMBER) | AFTER
+
+
+def schema() -> pyarrow.Schema:
+    """Names and types of the columns, as pyarrow has them."""
     pa, _ = arrow()
-    columns = BEFORE | dict.fromkeys(all_metrics(), _NUMBER) | AFTER
-    return pa.schema([(name, pa.type_for_alias(kind)) for name, kind in columns.items()])
+    return pa.schema([(name, pa.type_for_alias(kind)) for name, kind in columns().items()])
+
+
+def check_row(row: Any, where: str) -> dict[str, Any]:
+    """A row of plain values, refused if one is not what its column holds.
+
+    Parameters
+    ----------
+    where : str
+        The file, for the message.
+    """
+    values, kinds = Keys(row, where, "rows"), columns()
+    for name, value in values.values.items():
+        kind = kinds[check_known(f"column of {where}:", name, kinds)]
+        right = value is None or isinstance(value, _TYPES[kind])
+        if not right or (isinstance(value, bool) != (kind == _TRUTH) and value is not None):
+            raise ConfigError(f"{values.label(name)} = {shown(value)}: must be of type {kind}")
+        if kind in (_WHOLE, _NUMBER) and value is not None and abs(value) >= _MOST[kind]:
+            raise ConfigError(f"{values.label(name)} = {shown(value)}: too large for {kind}")
+    return dict(values.values)
 
 
 def table_of(rows: Iterable[Mapping[str, Any]]) -> pyarrow.Table:
     """Rows as a sorted table; what a row lacks is null, and so is what is not finite."""
     pa, _ = arrow()
     fields = schema()
-    plain = [{name: _plain(row.get(name)) for name in fields.names} for row in rows]
+    plain = [{name: finite(row.get(name)) for name in fields.names} for row in rows]
     unknown = {key for row in rows for key in row} - set(fields.names)
     if unknown:
         raise ConfigError(f"an episode has no column {sorted(unknown)[0]!r}")
@@ -108,7 +135,8 @@ def table_of(rows: Iterable[Mapping[str, Any]]) -> pyarrow.Table:
     return made.sort_by([(name, "ascending") for name in SORTED_BY])
 
 
-def _plain(value: Any) -> Any:
+def finite(value: Any) -> Any:
+    """The value, None for a number that is not finite."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -136,8 +164,8 @@ def read_results(path: str | Path) -> Results:
     """
     pa, parquet = arrow()
     path = Path(path)
-    path = path / "episodes.parquet" if path.is_dir() else path
-    if not path.is_file():
+    path = path / "episodes.parquet" if os.path.isdir(path) else path
+    if not os.path.isfile(path):
         raise ConfigError(f"{path}: no such file; results are made by: ship-gym benchmark")
     try:
         table = parquet.read_table(path)

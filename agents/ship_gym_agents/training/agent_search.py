@@ -17,6 +17,7 @@ from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.evaluation.engines import Work, engine_of
 from ship_gym.evaluation.splits import tuning_seeds
+from ship_gym.keys import read_keys
 from ship_gym.provenance import atomic_path, provenance
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training.run import Report
@@ -81,6 +82,7 @@ def search(
     with held(out):
         _check_score(plan)
         _check_earlier(plan, out, resume)
+        _mend_journal(out / JOURNAL)
         study = _study(plan, out, 0)
         _clean(study, plan)
         ended = len(trials_of(plan, out))
@@ -107,7 +109,7 @@ def _check_earlier(plan: Plan, out: Path, resume: bool) -> None:
     if file.is_file():
         if not resume:
             raise ConfigError(f"{out} holds a search; resume it or choose another folder")
-        before = json.loads(file.read_text(encoding="utf-8"))["plan"]
+        before = read_keys(file).table("plan").values
         different = sorted(key for key in plan.plain if plan.plain[key] != before.get(key))
         if different:
             raise ConfigError(
@@ -116,6 +118,18 @@ def _check_earlier(plan: Plan, out: Path, resume: bool) -> None:
     with atomic_path(file) as temporary:
         told = {"plan": plan.plain, **provenance()}
         temporary.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+
+
+def _mend_journal(file: Path) -> None:
+    """Take what a killed search left in Optuna's journal: half a line, and its lock.
+
+    Nobody else writes it: the folder of the search is held.
+    """
+    for lock in file.parent.glob(f"{file.name}.lock*"):
+        lock.unlink(missing_ok=True)
+    if file.is_file() and not (data := file.read_bytes()).endswith(b"\n"):
+        with file.open("r+b") as journal:
+            journal.truncate(data.rfind(b"\n") + 1)
 
 
 def _study(plan: Plan, out: Path, number: int) -> Any:

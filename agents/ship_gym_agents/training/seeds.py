@@ -184,7 +184,9 @@ def _one_there(config: RunConfig, out: Path, options: dict[str, Any]) -> dict[st
 
 def _one(config: RunConfig, out: Path, options: dict[str, Any], bar: Any) -> dict[str, Any]:
     """Train one seed, or go on with it; what is complete stays as it is."""
-    card = TrainingFolder(out).card()
+    folder = TrainingFolder(out)
+    with folder.locked():  # mended, if a kill left its card behind
+        card = folder.card()
     same = {key: options[key] for key in ("minutes", "steps")}
     if card is not None and card["status"] == "complete" and card["budget"] == same:
         return card

@@ -1,5 +1,6 @@
 import os
 import re
+import shutil
 import subprocess
 import sys
 
@@ -24,6 +25,42 @@ def test_a_checkpoint_counts_when_it_is_complete(tmp_path):
         assert not list(place.iterdir()), "what was left half is gone"
     assert folder.state() == {"samples": 3}
     assert len(list((tmp_path / "run" / "checkpoint").iterdir())) == 1, "older ones are gone"
+
+
+def generation(folder, policy, **card):
+    with folder.new_checkpoint({}, {"validations": [{"samples": 1}], **card}) as place:
+        (place / "policy.safetensors").write_text(policy)
+
+
+def test_card_and_policy_change_with_the_checkpoint_and_not_before(tmp_path):
+    folder = TrainingFolder(tmp_path)
+    generation(folder, "first", status="running")
+    with pytest.raises(RuntimeError), folder.new_checkpoint({}, {"status": "lost"}) as place:
+        (place / "policy.safetensors").write_text("of a checkpoint that never was")
+        raise RuntimeError("killed")
+    with folder.locked():  # as at the next start
+        assert folder.policy.read_text() == "first"
+        assert folder.card()["status"] == "running" and folder.card()["checkpoint"] == 1
+    assert sorted(p.name for p in (tmp_path / "checkpoint").iterdir()) == ["000001"]
+
+
+def test_a_kill_before_the_copies_were_made_is_mended_at_the_next_start(tmp_path, monkeypatch):
+    folder = TrainingFolder(tmp_path)
+    generation(folder, "first", status="running")
+    monkeypatch.setattr(TrainingFolder, "publish", lambda _: None)  # killed there
+    generation(folder, "second", status="complete")
+    shutil.copytree(tmp_path / "checkpoint" / "000002", tmp_path / "checkpoint" / "000001")
+    monkeypatch.undo()
+    assert folder.policy.read_text() == "first" and folder.card()["status"] == "running"
+    (tmp_path / ".card-abcd_123.tmp.json").write_text("{")  # of a writer that was killed
+    with folder.locked():
+        assert folder.policy.read_text() == "second" and folder.card()["status"] == "complete"
+        assert sorted(p.name for p in (tmp_path / "checkpoint").iterdir()) == ["000002"]
+        names = sorted(p.name for p in tmp_path.iterdir())
+        assert names == ["card.json", "checkpoint", "curve.csv", "lock", "policy.safetensors"]
+        folder.write_card({"status": "goes on"})
+    with folder.locked():
+        assert folder.card()["status"] == "goes on", "what was said after it stays"
 
 
 def test_one_of_several_seeds_is_named_with_its_run(tmp_path):
