@@ -26,7 +26,8 @@ _MOST_NAMES = 100  # characters of the known names in it
 MOST_FINDINGS = 100  # lines of an error
 # a long path and its last three names
 _LONG_PATH = re.compile(r"[^\s'\"]{20,}(/[^\s'\"/]*/[^\s'\"/]*/[^\s'\"/]*)")
-_TINY, _HUGE = 1e-30, 1e30  # no quantity of a ship or a sea is smaller, but zero, or larger
+# no quantity of a ship or a sea is smaller, but zero, or larger
+SMALLEST, LARGEST = 1e-30, 1e30
 
 
 class ConfigError(ValueError):
@@ -189,9 +190,10 @@ def check_number(
         raise ConfigError(f"{field} = {shown(value)}: must be finite [{unit}]")
     if not (math.isfinite(number) and low <= value <= high):  # value: an integer is exact
         raise ConfigError(f"{field} = {shown(value)}: allowed is {low:g} to {high:g} [{unit}]")
-    if number and not _TINY <= abs(number) <= _HUGE:
+    if number and not SMALLEST <= abs(number) <= LARGEST:
         raise ConfigError(
-            f"{field} = {shown(value)}: allowed is 0, or {_TINY:g} to {_HUGE:g} in size [{unit}]"
+            f"{field} = {shown(value)}: allowed is 0, or {SMALLEST:g} to {LARGEST:g} in size "
+            f"[{unit}]"
         )
     return number
 
@@ -266,6 +268,14 @@ def unknown_keys(values: Iterable[str], known: Iterable[str]) -> list[str]:
     """Those of `values` that are not `known`, not more than an error has lines."""
     known = set(known)
     return list(itertools.islice((key for key in values if key not in known), MOST_FINDINGS + 1))
+
+
+def build_part(cls: type, values: object, where: str) -> Any:
+    """As `build`, of what a file says for people too: keys that are no fields are passed over."""
+    if not isinstance(values, Mapping):
+        raise ConfigError(f"{where} = {shown(values)}: must be a table of keys")
+    known = {field.name for field in dataclasses.fields(cls)}
+    return build(cls, {key: value for key, value in values.items() if key in known}, where)
 
 
 def _convert(kind: Any, value: Any, where: str) -> Any:

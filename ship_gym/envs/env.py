@@ -10,10 +10,11 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number
+from ship_gym.config import ConfigError, check_number
 from ship_gym.envs.episodes import EpisodeBatch
+from ship_gym.envs.flat_info import flat, is_flat
 from ship_gym.envs.start_options import start_options
-from ship_gym.envs.view import RENDER_MODES, Screen
+from ship_gym.envs.view import RENDER_MODES, Screen, check_render_mode, offered_modes
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
@@ -86,12 +87,6 @@ def recording_of(record: str | os.PathLike | Mapping[str, Any], env: Any) -> Any
     from ship_gym.envs.recording_options import RecordingOptions
 
     return EpisodeRecording(env.episodes, RecordingOptions.from_option(record), env.origin)
-
-
-def check_render_mode(render_mode: str | None) -> None:
-    """Refuse an unknown render mode."""
-    if render_mode is not None:
-        check_known("render_mode", render_mode, RENDER_MODES)
 
 
 def action_space(scenario: Scenario) -> gym.spaces.Box:
@@ -172,7 +167,8 @@ class ShipEnv(gym.Env):
     overrides : mapping, optional
         Keys of the scenario, nested or dotted; unknown keys are refused.
     render_mode : str, optional
-        ``"rgb_array"`` or ``"human"``.
+        ``"rgb_array"`` or ``"human"``. One whose library or screen is missing is refused, and not
+        among the ``render_modes`` of the instance's metadata; the class has both.
     max_episode_steps : int, optional
         Control intervals of an episode, instead of what the scenario's duration says.
     copy : bool
@@ -181,6 +177,9 @@ class ShipEnv(gym.Env):
     record : path or mapping, optional
         Folder for recordings of all episodes, or a mapping of the options of ``RecordRerun`` with
         ``folder`` among them.
+    info : str
+        ``"nested"`` (default), or ``"flat"``: no dicts in an info, numpy numbers and arrays only,
+        ``info["forces.hull"]``, for clients that need that (docs/clients.md).
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012
@@ -198,11 +197,13 @@ class ShipEnv(gym.Env):
         max_episode_steps: int | None = None,
         copy: bool = True,
         record: str | os.PathLike | Mapping[str, Any] | None = None,
+        info: str = "nested",
     ):
-        self._copy = bool(copy)
+        self._copy, self._flat = bool(copy), is_flat(info)
         self._resets = 0  # since the stream was seeded
         check_render_mode(render_mode)
         self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_modes": offered_modes()}
         scenario = self.scenario_name if scenario is None else scenario
         resolved, given = resolved_scenario(
             scenario, ship, control, surrogate, privileged, overrides
@@ -239,7 +240,7 @@ class ShipEnv(gym.Env):
         self.episodes.start(_ALL, draws, given)
         if self._screen is not None:
             self._screen.begin()
-        return self._seen(), self.episodes.info_of(0, self._copy)
+        return self._seen(), self._info()
 
     def step(self, action):
         """Sail one control interval under one action."""
@@ -258,8 +259,12 @@ class ShipEnv(gym.Env):
             episodes.rewards.item(0),
             episodes.terminated.item(0),
             episodes.truncated.item(0),
-            episodes.info_of(0, self._copy),
+            self._info(),
         )
+
+    def _info(self) -> dict[str, Any]:
+        info = self.episodes.info_of(0, self._copy)
+        return flat(info) if self._flat else info
 
     def _seen(self) -> np.ndarray:
         observation = self.episodes.observations[0]

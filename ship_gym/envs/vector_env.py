@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from ship_gym.config import ConfigError, check_known, check_number
+from ship_gym.config import ConfigError, check_number
 from ship_gym.envs.env import (
     Given,
     action_space,
@@ -20,12 +20,14 @@ from ship_gym.envs.env import (
     with_steps,
 )
 from ship_gym.envs.episodes import EpisodeBatch
-from ship_gym.envs.info import Info
+from ship_gym.envs.flat_info import flat, is_flat
 from ship_gym.envs.start_options import start_options
 from ship_gym.envs.streams import Streams
-from ship_gym.envs.view import Screen
+from ship_gym.envs.view import Screen, check_render_mode, offered_modes
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
+
+_RENDER_MODES = ("rgb_array",)  # a viewer shows one ship
 
 
 class ShipVectorEnv(VectorEnv):
@@ -53,12 +55,12 @@ class ShipVectorEnv(VectorEnv):
     copy : bool
         Whether observations, rewards and infos stay as they are. If False they are the batch's own
         arrays, which the next step or reset overwrites (an info counts when it is looked at).
-    record : path or mapping, optional
+    record, info
         As in ``ShipEnv``.
     """
 
     metadata = {  # noqa: RUF012  Gymnasium's own form
-        "render_modes": ["rgb_array"],
+        "render_modes": list(_RENDER_MODES),
         "render_fps": 10,
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
@@ -78,17 +80,21 @@ class ShipVectorEnv(VectorEnv):
         max_episode_steps: int | None = None,
         copy: bool = True,
         record: str | os.PathLike | Mapping[str, Any] | None = None,
+        info: str = "nested",
     ):
         super().__init__()
-        self._copy = bool(copy)
-        if render_mode is not None:
-            check_known("render_mode of a vector environment", render_mode, ("rgb_array",))
+        self._copy, self._flat = bool(copy), is_flat(info)
+        check_render_mode(render_mode, _RENDER_MODES)
         self.num_envs = int(check_number("num_envs", num_envs, 1, 10**7))
         if self.num_envs != num_envs:
             raise ConfigError(f"num_envs = {num_envs}: must be a whole number")
         self.render_mode = render_mode
         self.autoreset_mode = _mode(autoreset_mode)
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self.metadata = {
+            **self.metadata,
+            "render_modes": offered_modes(_RENDER_MODES),
+            "autoreset_mode": self.autoreset_mode,
+        }
         options = (control, surrogate, privileged, overrides)
         scenario = "heading_keeping" if scenario is None else scenario
         resolved, given = resolved_fleet(scenario, ship, *options)
@@ -254,8 +260,9 @@ class ShipVectorEnv(VectorEnv):
         observations = self.episodes.observations
         return observations.copy() if self._copy else observations
 
-    def _infos(self, mask: np.ndarray) -> Info:
-        return self.episodes.info(mask.copy(), self._copy)
+    def _infos(self, mask: np.ndarray, copy: bool | None = None) -> dict[str, Any]:
+        info = self.episodes.info(mask.copy(), self._copy if copy is None else copy)
+        return flat(info) if self._flat else info
 
     def _final_infos(self, ended: np.ndarray) -> dict[str, Any]:
         final = np.full(self.num_envs, None, dtype=object)
@@ -264,7 +271,7 @@ class ShipVectorEnv(VectorEnv):
         return {
             "final_obs": final,
             "_final_obs": ended.copy(),
-            "final_info": self.episodes.info(ended),
+            "final_info": self._infos(ended, copy=True),  # the reset that follows is not seen
             "_final_info": ended.copy(),
         }
 

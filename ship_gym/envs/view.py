@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ship_gym.config import check_known
 from ship_gym.conventions import FLOW_OF_UNITS, FORCE_AXES, FORCE_COMPONENTS, N_FLOW, X, Y
 from ship_gym.physics.waves import WAVE_ROLL, WAVE_YAW
+from ship_gym.recording.screen import has_screen
 from ship_gym.sea.surface import wave_entries
 
 if TYPE_CHECKING:
@@ -18,6 +22,48 @@ if TYPE_CHECKING:
 
 RENDER_MODES = ("rgb_array", "human")
 _WAKE = 901  # positions that the wake keeps
+
+
+def offered_modes(modes: Sequence[str] = RENDER_MODES) -> list[str]:
+    """Those of some render modes that can work here: their library and a screen are there."""
+    return [mode for mode in modes if _missing(mode) is None]
+
+
+def check_render_mode(mode: str | None, modes: Sequence[str] = RENDER_MODES) -> None:
+    """Refuse a render mode that is none, or that cannot work here.
+
+    Raises
+    ------
+    ConfigError
+        Not one of `modes`.
+    ImportError, RuntimeError
+        Its library, or a screen, is missing.
+    """
+    if mode is not None:
+        check_known("render_mode", mode, modes)
+        missing = _missing(mode)
+        if missing is not None:
+            raise missing
+
+
+def _missing(mode: str) -> Exception | None:
+    """What keeps a render mode from working."""
+    if mode == "rgb_array":
+        return (
+            None
+            if find_spec("PIL")
+            else ImportError(
+                'render_mode = "rgb_array" needs Pillow: pip install "ship-gym[render]"'
+            )
+        )
+    if not find_spec("rerun"):
+        return ImportError('render_mode = "human" needs rerun: pip install "ship-gym[rerun]"')
+    if not has_screen():
+        return RuntimeError(
+            'render_mode = "human" needs a screen, and here is none (neither DISPLAY nor '
+            'WAYLAND_DISPLAY is set); use "rgb_array", or record the rollout with ship-gym record'
+        )
+    return None
 
 
 class Screen:

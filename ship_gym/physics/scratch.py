@@ -30,6 +30,7 @@ _FIELDS = [
     ("current", (2, LANES)),  # north and east [m/s]
     ("own", (9, LANES)),  # OwnForces at the last asked place
     ("units", (10, LANES)),  # Units there
+    ("most", (2, LANES)),  # largest speed squared and yaw rate of the interval, over ground
     ("dt", (LANES,)),  # integration step [s]
     ("gust", (GUST_COLUMNS,)),
     ("wave", (N_SUMS, int(EIGHT))),  # waves.sum_waves

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import socket
-import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -18,6 +17,7 @@ from ship_gym.config import ConfigError
 from ship_gym.conventions import FORCE_AXES
 from ship_gym.recording.panels import plots_meta
 from ship_gym.recording.recorder import Recorder
+from ship_gym.recording.screen import has_screen
 from ship_gym.recording.trajectory import Trajectory, import_rerun_export
 from ship_gym.ships.particulars import Ship
 
@@ -154,9 +154,13 @@ class LiveView:
         return stream
 
     def _append(self, row: Mapping[str, float]) -> None:
-        if other := {*row} ^ {*self._names, *self._hidden}:
-            names = ", ".join(sorted(other))
-            raise ConfigError(f"a row and the first row of the episode do not both have {names}")
+        first = [*self._names, *self._hidden]
+        if sorted(row) != sorted(first):
+            changes = {"without": set(first) - set(row), "with": set(row) - set(first)}
+            told = [f"{how} {', '.join(sorted(names))}" for how, names in changes.items() if names]
+            raise ConfigError(
+                f"a row has other names than the first row of the episode: {'; '.join(told)}"
+            )
         if self._count == len(self._rows):
             self._rows = np.concatenate([self._rows, np.zeros_like(self._rows)])
         self._rows[self._count] = [row[name] for name in self._names]
@@ -223,9 +227,7 @@ def _checked_sink(sink: str | os.PathLike | None) -> str | None:
 
 def _check_screen() -> None:
     """Refuse to open a window where there is none, before rerun tries."""
-    if sys.platform.startswith("linux") and not (
-        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    ):
+    if not has_screen():
         raise RuntimeError(
             f"there is no screen for rerun's viewer (DISPLAY is not set); {_INSTEAD}"
         )

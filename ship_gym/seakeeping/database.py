@@ -22,6 +22,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.provenance import atomic_path, held, locked, provenance, sweep
+from ship_gym.reading import read_npy
 from ship_gym.sea.wave_table import BOUNDS, UNCERTAINTY, WaveTable
 from ship_gym.seakeeping import calibration
 from ship_gym.seakeeping.drift import drift, encounter_frequency
@@ -227,14 +228,28 @@ def _each(tasks: list[tuple], work: Path, name: str, jobs: int, progress) -> lis
     from joblib import Parallel, delayed, parallel_config
 
     paths = [work / f"{name}_{i:03d}.npy" for i in range(len(tasks))]
-    missing = [i for i, path in enumerate(paths) if not path.is_file()]
+    kept = [_kept(path) for path in paths]
+    missing = [i for i, found in enumerate(kept) if found is None]
     # one thread each: the processes share the cores, not the matrices
     with parallel_config("loky", inner_max_num_threads=1):
         run = Parallel(n_jobs=jobs, return_as="generator_unordered")
         done = run(delayed(_keep)(paths[i], *tasks[i]) for i in missing)
         for _ in progress(done, name, len(missing)):
             pass
-    return [np.load(path) for path in paths]
+    for i in missing:
+        kept[i] = read_npy(paths[i])
+    return kept
+
+
+def _kept(path: Path) -> np.ndarray | None:
+    """A result of an earlier, broken off build; None if there is none or it is damaged."""
+    if not path.is_file():
+        return None
+    try:
+        found = read_npy(path)
+    except ConfigError:
+        return None
+    return found if found.dtype.kind == "c" and np.isfinite(found).all() else None
 
 
 def _keep(path: Path, function: Callable[..., np.ndarray], *arguments) -> None:

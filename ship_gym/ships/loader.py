@@ -14,8 +14,9 @@ from ship_gym.reading import read_toml
 from ship_gym.ships.files import Named, base_of, chain_of, file_of, name_of, text_of
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.plausible import checked, warn_of
-from ship_gym.ships.records import numbered
+from ship_gym.ships.records import numbered, surrogate_names
 from ship_gym.ships.ship_file import complete_ship, scaled_ship
+from ship_gym.ships.surrogate_card import check_surrogate
 from ship_gym.tables import Table
 
 _SAME_SHIP = 0.02  # of D / L: rounding of printed particulars
@@ -155,8 +156,12 @@ def _with_surrogate(ship: Ship, data, path: Path, name: str, wanted: str | None)
         return ship
     if wanted == "beaufoy":
         return with_beaufoy(ship)
-    table = Table.load(path.with_name(f"surrogate_{wanted}.npz"))
-    return attach_surrogate(ship, table, wanted)
+    file = path.with_name(f"surrogate_{wanted}.npz")
+    table = Table.load(file)
+    try:
+        return attach_surrogate(ship, table, wanted)
+    except ConfigError as error:
+        raise ConfigError(f"{file}: {error}") from None
 
 
 def with_beaufoy(ship: Ship) -> Ship:
@@ -199,9 +204,7 @@ def attach_surrogate(ship: Named | Ship, table: Table, name: str) -> Ship:
         with another number of propellers.
     """
     ship = load_ship(ship)
-    for key in ("made_for", "effective_inflow", "domain"):
-        if key not in table.card:
-            raise ConfigError(f"surrogate {name}: its card has no {key!r}; fit it again")
+    check_surrogate(table, {units: surrogate_names(units) for units in (1, 2)}, name)
     made, law = table.card["made_for"], table.card["effective_inflow"]
     ratio = ship.hull.L / made["L"]
     if abs(ship.propeller.D / (made["D"] * ratio) - 1.0) > _SAME_SHIP:

@@ -8,6 +8,7 @@ import functools
 import multiprocessing
 import pickle
 import shutil
+import sys
 import warnings
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -76,12 +77,44 @@ def test_check_env_with_rendering_is_silent(env_id, tmp_path, monkeypatch):
 
     to_file = functools.partial(live.LiveView, sink=tmp_path / "live.rrd")
     monkeypatch.setattr(live, "LiveView", to_file)
+    monkeypatch.setenv("DISPLAY", ":0")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         env = gym.make(env_id, ship="kcs_model", render_mode="rgb_array").unwrapped
         check_env(env)
     assert env.metadata["render_modes"] == ["rgb_array", "human"]
     assert (tmp_path / "live.rrd").stat().st_size > 0
+
+
+@pytest.fixture
+def no_screen(monkeypatch):
+    monkeypatch.setattr("sys.platform", "linux")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+
+
+def test_without_a_screen_check_env_is_silent_and_no_window_is_offered(no_screen):
+    pytest.importorskip("PIL", reason="extra 'render' not installed")
+    pytest.importorskip("rerun", reason="extra 'rerun' not installed")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        env = gym.make(HEADING, render_mode="rgb_array").unwrapped
+        check_env(env)
+    assert env.metadata["render_modes"] == ["rgb_array"]
+    assert type(env).metadata["render_modes"] == ["rgb_array", "human"]
+    with pytest.raises(RuntimeError, match=r"human.* needs a screen, .*rgb_array"):
+        gym.make(HEADING, render_mode="human")
+
+
+@pytest.mark.parametrize(
+    ("library", "mode", "extra"), [("PIL", "rgb_array", "render"), ("rerun", "human", "rerun")]
+)
+def test_a_mode_without_its_library_is_not_offered(monkeypatch, library, mode, extra):
+    monkeypatch.setitem(sys.modules, library, None)
+    for make in (gym.make, gym.make_vec) if mode == "rgb_array" else (gym.make,):
+        assert mode not in make(HEADING).metadata["render_modes"]
+        with pytest.raises(ImportError, match=rf"{mode}.* needs .*ship-gym\[{extra}\]"):
+            make(HEADING, render_mode=mode)
 
 
 @pytest.mark.parametrize("env_id", IDS)

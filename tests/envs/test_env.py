@@ -229,6 +229,7 @@ def test_two_resets_in_a_row_show_the_second_episode(tmp_path, monkeypatch):
             self.open = False
 
     monkeypatch.setattr(live, "LiveView", View)
+    monkeypatch.setenv("DISPLAY", ":0")
     env = ship_gym.TrackFollowing(render_mode="human")
     env.reset(seed=0)
     env.reset(seed=1)

@@ -145,7 +145,7 @@ def test_a_viewer_that_does_not_listen_is_noticed(ship):
 
 
 def test_no_screen_is_said_at_once(monkeypatch, ship):
-    monkeypatch.setattr(live.sys, "platform", "linux")
+    monkeypatch.setattr("sys.platform", "linux")
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     with pytest.raises(RuntimeError, match=r"no screen .*rgb_array.*ship-gym record"):
@@ -168,7 +168,7 @@ def test_a_viewer_that_cannot_start_is_said(monkeypatch, ship):
     ("change", "message"),
     [
         ({"psi": math.nan}, "psi = nan: must be finite"),
-        ({"extra": 1.0}, "first row of the episode do not both have extra"),
+        ({"extra": 1.0}, "first row of the episode: with extra"),
     ],
 )
 def test_rows_that_do_not_fit_are_refused(tmp_path, ship, change, message):

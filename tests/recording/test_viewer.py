@@ -65,7 +65,7 @@ def test_without_its_program_it_says_so(file, tmp_path, monkeypatch):
 
 
 def test_a_window_needs_a_screen(file, monkeypatch):
-    monkeypatch.setattr(viewer.sys, "platform", "linux")
+    monkeypatch.setattr("sys.platform", "linux")
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     with pytest.raises(viewer.NoViewer, match="no screen here"):

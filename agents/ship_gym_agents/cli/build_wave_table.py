@@ -113,6 +113,7 @@ def _hull(asked: Asked, ship: Any):
 def _existing(asked: Asked) -> Made:
     """The table of ``--from``."""
     from ship_gym.config import ConfigError
+    from ship_gym.reports.wave_table import check_card
     from ship_gym.sea.wave_table import WaveTable
     from ship_gym.ships.files import available_ships
     from ship_gym.ships.loader import load_ship
@@ -120,6 +121,7 @@ def _existing(asked: Asked) -> Made:
     if asked.out or asked.quick or asked.froude is not None:
         raise ConfigError("--from reads a table: --out, --quick and --froude belong to computing")
     table = WaveTable.load(asked.table)
+    check_card(table, asked.table)
     if asked.ship is None and table.card["ship"] not in available_ships():
         raise ConfigError(
             f"{asked.table}: made for {table.card['ship']}; name its file with --ship"

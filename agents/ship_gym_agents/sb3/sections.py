@@ -151,8 +151,8 @@ class Price:
                 check_number("price.limit", float(self.limit), 1e-6, 1e6, "deg/h")
             except ValueError as error:
                 raise ConfigError(
-                    f"price.limit = {shown(self.limit)}: allowed is 'base', a number of deg/h above "
-                    "0, or '' for a fixed price"
+                    f"price.limit = {shown(self.limit)}: allowed is 'base', a number of deg/h "
+                    "above 0, or '' for a fixed price"
                 ) from error
         if self.limit and not self.rate:
             raise ConfigError("price.limit without price.rate: allowed is a rate above 0")

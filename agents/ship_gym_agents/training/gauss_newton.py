@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError
+from ship_gym.config import LARGEST, ConfigError
+from ship_gym.reading import check_array, read_as, read_npz
 from ship_gym_agents.policies.networks import Mlp
 from ship_gym_agents.policies.normaliser import Normaliser
 from ship_gym_agents.policies.policy import Policy
@@ -30,6 +31,7 @@ _FIRST_DAMPING = 1e-2
 _LEAST_GAIN = 1e-4  # of the cost, in an iteration
 _PATIENCE = 2  # iterations that gain less end the run
 _STATE = "gauss_newton.npz"
+_SAVED = ("vector", "mean", "scale", "limit", "weights", "counts", "damping")
 
 
 def learn(
@@ -161,10 +163,19 @@ class _Search:
         )
 
     def _load(self, file: Path) -> None:
-        with np.load(file, allow_pickle=False) as state:
-            self._vector, self._damping = state["vector"], float(state["damping"])
+        state = read_npz(file, *_SAVED, what="a state of Gauss-Newton")
+        seen = (len(self._voyages.helm.names),)
+        shapes = {"vector": (self._layout.size,), "mean": seen, "scale": seen, "counts": (3,)}
+        shapes |= {"limit": (), "damping": (), "weights": (len(self._voyages.seeds),)}
+        if state["weights"].shape == (0,):  # the episodes were not weighed yet
+            shapes["weights"] = (0,)
+        for name, shape in shapes.items():
+            low = 0.0 if name in ("counts", "damping", "weights") else -LARGEST
+            check_array(f"{file}: {name}", state[name], shape, low)
+        self._vector, self._damping = state["vector"], float(state["damping"])
+        with read_as(file, "a state of Gauss-Newton"):
             self._normaliser = Normaliser(state["mean"], state["scale"], float(state["limit"]))
-            self._iterations, self._idle, self._sailed_before = state["counts"].tolist()
+            self._iterations, self._idle, self._sailed_before = map(int, state["counts"].tolist())
             weights = state["weights"]
             cost = float(state["cost"]) if "cost" in state else np.nan  # older ones have none
         self._weights = weights if len(weights) else None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import sys
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -25,6 +24,7 @@ from ship_gym.recording.rerun_export.program import (
     free_ports,
     listens,
 )
+from ship_gym.recording.screen import has_screen
 
 _ROUNDING = 1e-6  # of times [s], which a viewer has in whole nanoseconds
 
@@ -48,13 +48,6 @@ class Served:
     def stop(self) -> None:
         """End the server."""
         self._program.end()
-
-
-def has_screen() -> bool:
-    """Whether a window can be opened: on Linux, a display server is named."""
-    if not sys.platform.startswith("linux"):
-        return True
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def show(*paths: str | os.PathLike, moment: float | None = None) -> None:
