@@ -74,7 +74,7 @@ def seas() -> Iterator[Seed]:
     swell = {"wave_height": 2.5, "peak_period": 11.0, "gusts": False, "states": []}
     for name, sea in {
         "own": swell,
-        "states": {"states": ["ss4", "ss5"], "current_speed": 0.5, "wave_encounter_deg": [0, 180]},
+        "states": {"states": ["ss4", "ss5"], "current_speed": 0.5, "wave_encounter_deg": 45.0},
         "wind": {"states": [], "wind_speed": 12.0, "gusts": True},
     }.items():
         yield Seed(name, {"sea.toml": toml({"base": "heading_keeping", "sea": sea}).encode()})
