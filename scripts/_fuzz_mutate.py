@@ -125,10 +125,14 @@ def tree_edit(rng: np.random.Generator, tree: Any) -> Any:
     places = list(_places(tree))
     if not places:
         return odd(rng)
+    numbers = [(h, k) for h, k in places if _is_number(h[k])]
+    if numbers and rng.random() < 0.45:  # most of a tree may be text, which little depends on
+        holder, key = pick(rng, numbers)
+        holder[key] = scaled(rng, holder[key])
+        return tree
     holder, key = _place(rng, places)
     value, how = holder[key], rng.random()
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if how < 0.45 and number:
+    if how < 0.45 and _is_number(value):
         holder[key] = scaled(rng, value)
     elif how < 0.60:
         holder[key] = odd(rng)
@@ -144,6 +148,10 @@ def tree_edit(rng: np.random.Generator, tree: Any) -> Any:
     else:
         holder[key] = pick(rng, ([value], {"value": value}, str(value)[:200], {key: value}))
     return tree
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _places(tree: Any, depth: int = 0):
