@@ -15,12 +15,13 @@ from ship_gym.ships.loader import available_surrogates, available_variants, load
 from ship_gym.simulation import ShipSim, _Trial
 
 KVLCC2 = load_ship("kvlcc2_model")
+pytestmark = pytest.mark.filterwarnings("ignore::ship_gym.config.ImplausibleShip")
 
 
 def mine(ship, section, **changes):
-    """A ship of an own file: not one of the package's names."""
+    """A ship of an own file that is not strict: not one of the package's names."""
     changed = dataclasses.replace(getattr(ship, section), **changes)
-    return dataclasses.replace(ship, name="mine", **{section: changed})
+    return dataclasses.replace(ship, name="mine", strict=False, **{section: changed})
 
 
 @pytest.mark.parametrize("name", available_ships())
@@ -62,15 +63,12 @@ def test_the_nearest_ships_of_the_package_are_those_that_the_limits_name():
 HULL, RUDDER = KVLCC2.hull, KVLCC2.rudder
 IMPOSSIBLE = {
     "turns the wrong way": (("rudder", {"epsilon": -1.0}), "75 deg to the OTHER side"),
-    "mass below zero": (("hull", {"m_x": -0.5}), r"mass with added mass in surge -2363 kg"),
     "sucked into drift": (("hull", {"Y_v": -HULL.Y_v}), "held 3 deg across the flow"),
     "turns on by herself": (("hull", {"N_r": -HULL.N_r}), "146 deg off her course"),
     "spins": (("hull", {"N_r": -HULL.N_r}), r"her circle is 0.\d+ L wide; allowed is from 1"),
     "rudder at the bow": (("rudder", {"x_R": -RUDDER.x_R}), "10 deg to the OTHER side"),
     "goes astern in a turn": (("rudder", {"a_H": 90.0}), "at last she goes astern"),
-    "no resistance": (("hull", {"R_0": -HULL.R_0}), "no resistance: at 1.179 m/s .* 32.57 N"),
-    "no finite forces": (("rudder", {"eta": 626.0}), "force ahead is nan N"),
-    "cannot go": (("propeller", {"t_P": 1.2}), "cannot hold 1.179 m/s"),
+    "cannot go": (("propeller", {"t_P": 0.95}), "cannot hold 1.179 m/s"),
     "explodes": (("propeller", {"D": 9.86}), "no finite number .* in 14 of 14 runs"),
 }
 
