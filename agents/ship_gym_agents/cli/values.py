@@ -73,7 +73,7 @@ class OutFile(click.ParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path of a text."""
         path, option = Path(value), param.opts[0] if param else "file"
-        if value == "" or isinstance(value, Path):  # an option without its value, or a default
+        if isinstance(value, Path) or _alone(value, param, ctx):  # Path: a default
             return path
         if path.suffix.lower() != self.suffix:
             raise click.UsageError(f"{option} {path}: allowed is a {self.suffix} file", ctx)
@@ -96,11 +96,18 @@ class OutFolder(click.ParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path of a text."""
         path, option = Path(value), param.opts[0] if param else "folder"
-        return path if value == "" else _tried(path, option, ctx, folder=True)
+        return path if _alone(value, param, ctx) else _tried(path, option, ctx, folder=True)
 
     def shell_complete(self, ctx, param, incomplete: str) -> list[CompletionItem]:
         """Folders of the shell."""
         return [CompletionItem(incomplete, type="dir")]
+
+
+def _alone(value: Any, param: click.Parameter | None, ctx: click.Context | None) -> bool:
+    """Whether an option stands without its value; refused where it needs one."""
+    if value == "" and param is not None and not getattr(param, "alone", False):
+        raise click.UsageError(f"{param.opts[0]}: needs a name", ctx)
+    return value == ""
 
 
 def _tried(path: Path, option: str, ctx: click.Context | None, folder: bool = False) -> Path:
