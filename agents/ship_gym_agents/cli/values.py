@@ -32,13 +32,14 @@ class Number(click.ParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The number of a text."""
         option = param.opts[0] if param else "value"
+        told = f"{option} = {_short(str(value))}"
         try:
             number = self.kind(value)
         except ValueError:
-            raise click.UsageError(f"{option} = {value}: must be a {self._what()}", ctx) from None
+            raise click.UsageError(f"{told}: must be a {self._what()}", ctx) from None
         finite = self.kind is int or math.isfinite(number)  # 10**400 is no float
         if not (finite and self.low <= number <= self.high):
-            raise click.UsageError(f"{option} = {value}: allowed is {self._range()}", ctx)
+            raise click.UsageError(f"{told}: allowed is {self._range()}", ctx)
         return number
 
     def _what(self) -> str:
@@ -49,6 +50,10 @@ class Number(click.ParamType):
             return f"a finite number [{self.unit}]"
         unit = "" if self.unit == "-" else f" [{self.unit}]"
         return f"{self.low:.10g} to {self.high:.10g}{unit}"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 60 else f"{text[:40]} ... {text[-10:]}"
 
 
 def whole(low: int, high: int) -> Number:
