@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ship_gym.config import ConfigError, check_known, shown
+from ship_gym.evaluation.about import check_about
 from ship_gym.evaluation.metrics import all_metrics
 from ship_gym.keys import Keys
 from ship_gym.provenance import atomic_path
@@ -169,7 +170,7 @@ def read_results(path: str | Path) -> Results:
         raise ConfigError(f"{path}: no such file; results are made by: ship-gym benchmark")
     table, about = read_parquet(path, _ABOUT, "a benchmark")
     _check(path, table)
-    return Results(table.replace_schema_metadata(None), about)
+    return Results(table.replace_schema_metadata(None), check_about(about, str(path)))
 
 
 def read_parquet(path: str | Path, key: bytes, what: str) -> tuple[pyarrow.Table, dict[str, Any]]:

@@ -359,7 +359,7 @@ def test_the_published_hull_of_dtc(tmp_path):
     path = tmp_path / "dtc.stl"
     path.write_bytes(gzip.decompress(DTC.read_bytes()))
     hull = dataclasses.replace(SHIP.hull, L=355.0, B=51.0, d=14.5, volume=173468.0, S=22032.0)
-    ship = dataclasses.replace(SHIP, name="dtc", hull=hull, form=None)
+    ship = dataclasses.replace(SHIP, name="dtc", hull=hull, form=None, wind=None)
     where = {"scale": 59.407, "midship": 177.5, "waterline": 0.2440 * 59.407}
     mesh = read_hull(path, ship, panels=704, **where)
     # all 81,000 panels of the file below the waterline
