@@ -26,7 +26,6 @@ import numpy as np
 from ship_gym.config import LARGEST, ConfigError, nearest, shown
 
 MOST = 1 << 29  # [bytes] of a file, packed or not
-_PAGE = 1 << 16  # [bytes] of a file that does not know its size
 _MOST_TEXT = 1 << 26  # [bytes] of a file of text
 
 # Byte order marks; the longer ones first, since that of UTF-16 begins that of UTF-32.
@@ -60,8 +59,7 @@ def read_bytes(path: str | os.PathLike, most: int = MOST) -> bytes:
                 raise ConfigError(f"{path}: allowed is a file, not a device, a pipe or a folder")
             if state.st_size > most:
                 raise ConfigError(f"{path}: {state.st_size} bytes: allowed are at most {most}")
-            # a number makes room for so many bytes at once; files of /proc say that they have none
-            return file.read(state.st_size or _PAGE)
+            return file.read(state.st_size)  # of a limit alone, all of it would be allocated
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None
     except OSError as error:

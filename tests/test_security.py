@@ -638,4 +638,3 @@ def test_a_small_file_needs_no_room_for_a_large_one(tmp_path):
         assert read_bytes(tmp_path / "a", 1 << 34) == b"abc"
     finally:
         resource.setrlimit(resource.RLIMIT_AS, before)
-    assert read_bytes("/proc/self/status")
