@@ -59,7 +59,7 @@ def read_bytes(path: str | os.PathLike, most: int = MOST) -> bytes:
                 raise ConfigError(f"{path}: allowed is a file, not a device, a pipe or a folder")
             if state.st_size > most:
                 raise ConfigError(f"{path}: {state.st_size} bytes: allowed are at most {most}")
-            return file.read(most)
+            return file.read(state.st_size)  # of a limit alone, all of it would be allocated
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None
     except OSError as error:

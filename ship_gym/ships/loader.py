@@ -149,7 +149,8 @@ def _with_surrogate(ship: Ship, data, path: Path, name: str, wanted: str | None)
     known = _surrogates(path, data)
     if wanted == entry.get("default") and wanted not in known:
         raise ConfigError(
-            f"{name}: surrogate.default = {shown(wanted)}: no such surrogate_*.npz beside the file"
+            f"{name}: surrogate.default = {shown(wanted)}: no surrogate_{wanted[:60]}.npz "
+            "beside the file"
         )
     check_known(f"surrogate of {name}", wanted, known)
     if wanted == "none":

@@ -83,7 +83,9 @@ def basis(ship: Ship, name: str, speed: float | None) -> float | None:
 def values_of(ship: Ship) -> Iterator[tuple[str, dict[str, Any], Mapping[str, Range], float]]:
     """Prefix of the keys, values, ranges and speed of every part of a ship that has ranges."""
     speed = ship.speed and ship.share and ship.speed / ship.share
-    yield "", {name: getattr(ship, name) for name in TOP} | {"speed": speed}, TOP, speed
+    L = basis(ship, "L", speed)
+    top = {"full_length / hull.L": ship.full_length / L if L and ship.full_length else None}
+    yield "", vars(ship) | {"speed": speed} | top, TOP, speed
     for name, table in RANGES.items():
         if (section := getattr(ship, name)) is not None:
             yield f"{name}.", vars(section), table, speed
@@ -214,8 +216,15 @@ def _form(ship: Ship) -> str:
     return ""
 
 
+def errors_of(ship: Ship, found: Verdict) -> list[str]:
+    """What is an error of the findings of a ship, and the way out if there is one."""
+    if found.impossible or not found.implausible or not ship.strict:
+        return found.impossible + (found.implausible if ship.strict else [])
+    return [*found.implausible, "for a ship like no published one: strict = false"]
+
+
 def checked(ship: Ship, where: str = "") -> Ship:
-    """The ship, her implausible numbers named if she is not strict.
+    """The ship, her implausible numbers named if she is not strict; without a warning.
 
     Parameters
     ----------
@@ -230,8 +239,7 @@ def checked(ship: Ship, where: str = "") -> Ship:
         ship has.
     """
     found = findings_of(ship)
-    lines = found.impossible + (found.implausible if ship.strict else [])
-    if lines:
+    if lines := errors_of(ship, found):
         raise ConfigError("\n".join(f"{where or ship.name}: {line}" for line in lines))
     named = tuple(found.implausible)
     return ship if named == ship.implausible else dataclasses.replace(ship, implausible=named)

@@ -46,7 +46,8 @@ class Range(NamedTuple):
 # Water of 0 to 40 deg C, fresh to as salt as the sea, has 990 to 1030 kg/m3 and 0.65e-6 to
 # 1.85e-6 m2/s. Lengths: from the smallest models to the largest ships.
 TOP = {
-    "full_length": Range(0.3, 500.0, "L", (1.0, 75.2), POSITIVE),
+    "full_length": Range(0.5, 500.0, "", (154.0, 355.0), POSITIVE),
+    "full_length / hull.L": Range(0.3, 300.0, "", (1.0, 75.2)),
     "rho": Range(985.0, 1035.0, "", (999.0, 1030.0), POSITIVE),
     "nu": Range(0.6e-6, 2e-6, "", (1.14e-6, 1.19e-6), POSITIVE),
     "speed": Range(0.03, 0.7, "sqrt(g L)", (0.142, 0.25), POSITIVE),

@@ -10,7 +10,9 @@ import warnings
 import pytest
 
 import ship_gym
-from ship_gym.config import LONGEST, ConfigError, ImplausibleShip
+from ship_gym.config import LONGEST, MOST_FINDINGS, ConfigError, ImplausibleShip
+from ship_gym.recording.about import ship_meta
+from ship_gym.reports.manoeuvre import estimates
 from ship_gym.ships import available_ships, available_variants, load_ship, scaled
 from ship_gym.ships.files import DATA
 from ship_gym.ships.loader import available_surrogates
@@ -153,12 +155,21 @@ def test_a_ship_that_is_not_strict_warns_of_ranges_alone(own):
     with pytest.warns(ImplausibleShip, match=r"not strict:\n  hull.x_G = 1 m = 0.1429 L: allowed"):
         ship = load_ship(own(free, ("x_G = { value = 0.25", "x_G = { value = 1.0")))
     assert not ship.strict and len(ship.implausible) == 1
-    assert "  implausible hull.x_G = 1 m" in ship.describe()
+    for text in (ship.describe(), estimates(ship), *ship_meta(ship)["implausible"]):
+        assert "hull.x_G = 1 m" in text
     for change in (("R_0 = { value = 0.", "R_0 = { value = -0."), ("m_x = 0.022", "m_x = -0.5")):
         with pytest.raises(ConfigError, match=change[1].split()[0]):
             load_ship(own(free, change))
     with pytest.raises(ConfigError, match="strict = 0: allowed is true or false"):
         load_ship(own(("title", "strict = 0\ntitle")))
+
+
+def test_findings_of_a_file_full_of_nonsense_are_not_endless(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text("".join(f"key_{k} = {k}\n" for k in range(1000)))
+    with pytest.raises(ConfigError, match="more is wrong, see to these first") as error:
+        load_ship(path)
+    assert len(str(error.value).splitlines()) == MOST_FINDINGS + 1
 
 
 def test_what_is_not_strict_stays_so_when_scaled(own, tmp_path):
