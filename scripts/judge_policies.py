@@ -14,7 +14,7 @@ from _cli import parser, progress, run, show
 
 from pages import judgement
 from pages.policies_page import write_page
-from ship_gym.provenance import atomic_path, check_place
+from ship_gym.provenance import atomic_path, check_place, locked
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "policies.md"
 EXAMPLES = (
@@ -41,18 +41,22 @@ def main() -> None:
     if args.page:
         check_place(PAGE, "--page")
     claims = judgement.read_claims(args.claims, args.only)
-    sailor = judgement.Sailor(args.split, args.seeds, args.run)
-    work = judgement.plan(claims, args.policies)
-    for one in progress(work, "sailing"):
-        sailor.sail(*one)
-    judged = judgement.judge(claims, sailor, args.policies)
-    files = []
-    if args.page:
-        files = write_page(judged, sailor, args.split, PAGE)
-    with atomic_path(args.run / f"judged_{args.split}.json") as temporary:
-        temporary.write_text(json.dumps(judged, indent=1) + "\n", encoding="utf-8")
+    with locked(args.run / "lock", "judges in this folder"):
+        judged, files = judge(args, claims)
     text = judgement.told(judged)
     show(args.json, {"claims": judged, "files": [str(f) for f in files]}, text)
+
+
+def judge(args, claims) -> tuple[list, list[Path]]:
+    """Sail what is missing and judge; the judgement and the files of the page."""
+    sailor = judgement.Sailor(args.split, args.seeds, args.run)
+    for one in progress(judgement.plan(claims, args.policies), "sailing"):
+        sailor.sail(*one)
+    judged = judgement.judge(claims, sailor, args.policies)
+    files = write_page(judged, sailor, args.split, PAGE) if args.page else []
+    with atomic_path(args.run / f"judged_{args.split}.json") as temporary:
+        temporary.write_text(json.dumps(judged, indent=1) + "\n", encoding="utf-8")
+    return judged, files
 
 
 if __name__ == "__main__":

@@ -9,7 +9,9 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import difflib
+import itertools
 import math
+import re
 import types
 import typing
 from collections.abc import Iterable, Iterator, Mapping
@@ -20,7 +22,11 @@ import numpy as np
 from ship_gym.conventions import KNOT
 
 LONGEST = 300  # characters of a line of an error
-_TINY, _HUGE = 1e-30, 1e30  # no quantity of a ship or a sea is smaller, but zero, or larger
+_MOST_NAMES = 100  # characters of the known names in it
+MOST_FINDINGS = 100  # lines of an error
+_LONG_WORD = re.compile(r"[^\s'\"]{24,}")
+# no quantity of a ship or a sea is smaller, but zero, or larger
+SMALLEST, LARGEST = 1e-30, 1e30
 
 
 class ConfigError(ValueError):
@@ -31,16 +37,28 @@ class ConfigError(ValueError):
     """
 
     def __init__(self, text: object = ""):
-        super().__init__("\n".join(map(_cut, str(text).splitlines() or [""])))
+        super().__init__("\n".join(map(cut, str(text).splitlines() or [""])))
 
 
-def _cut(line: str, most: int = LONGEST) -> str:
-    """A line without its middle, where it is longer than `most` characters."""
+class ImplausibleShip(UserWarning):
+    """Numbers that no published ship has, in a ship whose file says ``strict = false``."""
+
+
+def cut(line: str, most: int = LONGEST) -> str:
+    """A line of at most `most` characters: long paths lose their beginning, then it its middle."""
     line = "".join(c if c.isprintable() else " " for c in line)
+    if len(line) > most:
+        line = _LONG_WORD.sub(_end_of_path, line)
     if len(line) <= most:
         return line
     half = (most - 5) // 2
     return f"{line[:half]} ... {line[-half:]}"
+
+
+def _end_of_path(word: re.Match) -> str:
+    """The last three names of a long path; another word as it is."""
+    names = word[0].split("/")
+    return "/".join(["...", *names[-3:]]) if len(names) > 4 else word[0]
 
 
 def shown(value: object, most: int = 60) -> str:
@@ -56,7 +74,7 @@ def shown(value: object, most: int = 60) -> str:
     elif isinstance(value, int) and value.bit_length() > 200:
         return f"an integer of {value.bit_length()} bits"
     try:
-        return _cut(repr(value), most)
+        return cut(repr(value), most)
     except (ValueError, RecursionError):
         return f"a {type(value).__name__} that cannot be printed"
 
@@ -77,18 +95,25 @@ class Findings:
         self.lines: list[str] = []
 
     def add(self, text: str) -> None:
-        """Keep one line, once."""
-        if text not in self.lines:
-            self.lines.append(text)
+        """Keep one line, once; at most `MOST_FINDINGS` of them."""
+        if text not in self.lines and len(self.lines) <= MOST_FINDINGS:
+            full = len(self.lines) == MOST_FINDINGS
+            self.lines.append("more is wrong, see to these first" if full else text)
 
     @contextlib.contextmanager
-    def kept(self) -> Iterator[None]:
-        """Keep what a ``ConfigError`` in the block says, and go on after it."""
+    def kept(self, where: str = "") -> Iterator[None]:
+        """Keep what a ``ConfigError`` in the block says, and go on after it.
+
+        Parameters
+        ----------
+        where : str
+            Put before a line that does not begin with it, such as a file's name and a colon.
+        """
         try:
             yield
         except ConfigError as error:
             for line in str(error).splitlines():
-                self.add(line)
+                self.add(line if line.startswith(where) else f"{where} {line}")
 
     def tell(self) -> None:
         """Raise one ``ConfigError`` with a line for each finding, if there are any."""
@@ -121,11 +146,15 @@ UNITS: dict[str, tuple[float, str]] = {
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
-    """Text ``did you mean 'x'? Known: ...`` for an unknown name."""
+    """Text ``did you mean 'x'? Known: ...`` for an unknown name; of many names the first ones."""
     known = sorted(str(k) for k in known)
     close = difflib.get_close_matches(shown(name)[:80].strip("'"), known, n=1, cutoff=0.4)
     guess = f" did you mean {close[0]!r}?" if close else ""
-    return f"{guess} Known: {', '.join(known)}"
+    names = ", ".join(known)
+    if len(names) > _MOST_NAMES:
+        fitting = names[:_MOST_NAMES].rpartition(", ")[0]
+        names = f"{fitting} and {len(known) - fitting.count(', ') - 1} more"
+    return f"{guess} Known: {names}"
 
 
 def check_known(kind: str, name: str, known: Iterable[str]) -> str:
@@ -166,9 +195,10 @@ def check_number(
         raise ConfigError(f"{field} = {shown(value)}: must be finite [{unit}]")
     if not (math.isfinite(number) and low <= value <= high):  # value: an integer is exact
         raise ConfigError(f"{field} = {shown(value)}: allowed is {low:g} to {high:g} [{unit}]")
-    if number and not _TINY <= abs(number) <= _HUGE:
+    if number and not SMALLEST <= abs(number) <= LARGEST:
         raise ConfigError(
-            f"{field} = {shown(value)}: allowed is 0, or {_TINY:g} to {_HUGE:g} in size [{unit}]"
+            f"{field} = {shown(value)}: allowed is 0, or {SMALLEST:g} to {LARGEST:g} in size "
+            f"[{unit}]"
         )
     return number
 
@@ -201,20 +231,56 @@ def build(cls: type, values: Mapping[str, Any], where: str) -> Any:
     Raises
     ------
     ConfigError
-        Unknown key (with the nearest one), missing key, or a value of the wrong type.
+        A line for each unknown key (with the nearest one), missing key and value of a wrong type;
+        or what a dataclass refuses. Every line begins with `where`.
     """
+    with told_of(where):
+        return _build(cls, values, where)
+
+
+@contextlib.contextmanager
+def told_of(where: object) -> Iterator[None]:
+    """Put `where`, such as the name of a file, before each line of a ``ConfigError``, once."""
+    try:
+        yield
+    except ConfigError as error:
+        lines = str(error).splitlines()
+        if all(line.startswith(str(where)) for line in lines):
+            raise
+        told = [line if line.startswith(str(where)) else f"{where}: {line}" for line in lines]
+        raise ConfigError("\n".join(told)) from None
+
+
+def _build(cls: type, values: Mapping[str, Any], where: str) -> Any:
+    if not isinstance(values, Mapping):
+        raise ConfigError(f"{where} = {shown(values)}: must be a table of keys")
     hints = typing.get_type_hints(cls)
     fields = {f.name: f for f in dataclasses.fields(cls) if f.init}
-    for key in values:
-        if key not in fields:
-            raise ConfigError(f"{where}: unknown key {shown(key)};{nearest(key, fields)}")
-    made = {}
+    findings, made = Findings(), {}
+    for key in unknown_keys(values, fields):
+        findings.add(f"{where}: unknown key {shown(key)};{nearest(key, fields)}")
     for name, field in fields.items():
         if name in values:
-            made[name] = _convert(hints[name], values[name], f"{where}.{name}")
+            with findings.kept():
+                made[name] = _convert(hints[name], values[name], f"{where}.{name}")
         elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
-            raise ConfigError(f"{where}: missing key {name!r}")
+            findings.add(f"{where}: missing key {name!r}")
+    findings.tell()
     return cls(**made)
+
+
+def unknown_keys(values: Iterable[str], known: Iterable[str]) -> list[str]:
+    """Those of `values` that are not `known`, not more than an error has lines."""
+    known = set(known)
+    return list(itertools.islice((key for key in values if key not in known), MOST_FINDINGS + 1))
+
+
+def build_part(cls: type, values: object, where: str) -> Any:
+    """As `build`, of what a file says for people too: keys that are no fields are passed over."""
+    if not isinstance(values, Mapping):
+        raise ConfigError(f"{where} = {shown(values)}: must be a table of keys")
+    known = {field.name for field in dataclasses.fields(cls)}
+    return build(cls, {key: value for key, value in values.items() if key in known}, where)
 
 
 def _convert(kind: Any, value: Any, where: str) -> Any:
@@ -226,19 +292,24 @@ def _convert(kind: Any, value: Any, where: str) -> Any:
     if dataclasses.is_dataclass(kind):
         if dataclasses.is_dataclass(value):
             return value
-        if not isinstance(value, Mapping):
-            raise ConfigError(f"{where} = {shown(value)}: must be a table of keys")
-        return build(kind, value, where)
-    if typing.get_origin(kind) is tuple:
+        return _build(kind, value, where)
+    if (sequence := typing.get_origin(kind)) in (tuple, list):
         if not isinstance(value, list | tuple | np.ndarray):
             raise ConfigError(f"{where} = {shown(value)}: must be a list")
-        return tuple(_convert(typing.get_args(kind)[0], item, where) for item in value)
-    if typing.get_origin(kind) is dict:
-        kind = dict
+        return sequence(_convert(typing.get_args(kind)[0], item, where) for item in value)
+    if dict in (kind, typing.get_origin(kind)):
+        if not isinstance(value, Mapping):
+            raise ConfigError(f"{where} = {shown(value)}: must be a table of keys")
+        of_values = (typing.get_args(kind) or (str, Any))[1]
+        return {key: _convert(of_values, v, f"{where}.{key}") for key, v in value.items()}
+    if kind is Any:
+        return value
     if kind is float:
         return check_number(where, value)
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
         raise ConfigError(f"{where} = {shown(value)}: must be of type {kind.__name__}")
+    if kind is int and value.bit_length() > 63:
+        raise ConfigError(f"{where} = {shown(value)}: must be less than 2^63 in size")
     return value
 
 

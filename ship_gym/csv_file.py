@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import UNITS, ConfigError, nearest
+from ship_gym.config import UNITS, ConfigError, check_number, nearest, shown
 from ship_gym.reading import read_text
 
 _HEADER_KEYS = ("title", "source", "obtained", "conventions")
@@ -68,7 +68,9 @@ class CsvTable:
         """Return self if all columns exist, else raise ConfigError that lists what is there."""
         for name in names:
             if name not in self.columns:
-                raise ConfigError(f"{self.path}: no column {name!r};{nearest(name, self.columns)}")
+                raise ConfigError(
+                    f"{self.path}: no column {shown(name)};{nearest(name, self.columns)}"
+                )
         return self
 
     def si(self, name: str) -> np.ndarray:
@@ -76,7 +78,7 @@ class CsvTable:
         self.require(name)
         unit = self.units.get(name, "-")
         if unit not in UNITS:
-            raise ConfigError(f"{self.path}: column {name!r} has unknown unit [{unit}]")
+            raise ConfigError(f"{self.path}: column {shown(name)} has unknown unit [{unit}]")
         return self.columns[name] * UNITS[unit][0]
 
     def where(self, **conditions: Any) -> CsvTable:
@@ -96,9 +98,10 @@ class CsvTable:
         """Number of a header line ``# key: number``, written as the numbers of the columns."""
         text = self.header[key]
         try:
-            return float(text.replace(",", ".") if self.decimal == "," else text)
+            value = float(text.replace(",", ".") if self.decimal == "," else text)
         except ValueError:
-            raise ConfigError(f"{self.path}: # {key}: {text!r} is not a number") from None
+            raise ConfigError(f"{self.path}: # {key}: {shown(text)} is not a number") from None
+        return check_number(f"{self.path}: # {key}", value)
 
 
 def read_csv(path: str | Path) -> CsvTable:
@@ -130,7 +133,7 @@ def read_csv(path: str | Path) -> CsvTable:
     for i in named:
         name, unit = _name_and_unit(titles[i])
         if name in columns:
-            raise ConfigError(f"{path}:{line}: column {name!r} is there twice")
+            raise ConfigError(f"{path}:{line}: column {shown(name)} is there twice")
         columns[name] = [(number, row[i]) for number, row in data]
         if unit:
             units[name] = unit
@@ -139,7 +142,7 @@ def read_csv(path: str | Path) -> CsvTable:
     decimal = _decimal(path, {name: columns[name] for name in units}, separator)
     arrays = {
         name: np.array(
-            [_number(path, name, *cell, decimal) for cell in cells]
+            [number_of(path, name, *cell, decimal) for cell in cells]
             if name in units
             else [cell for _, cell in cells]
         )
@@ -229,10 +232,8 @@ def _named_columns(
                 )
             raise ConfigError(f"{path}:{number}: {len(cells)} cells, but {width} columns{hint}")
         if nameless := [i for i, cell in enumerate(cells) if cell and i not in named]:
-            raise ConfigError(
-                f"{path}:{number}: {cells[nameless[0]]!r} is in column {nameless[0] + 1}, which "
-                "has no name"
-            )
+            cell, column = shown(cells[nameless[0]]), nameless[0] + 1
+            raise ConfigError(f"{path}:{number}: {cell} is in column {column}, which has no name")
     return named
 
 
@@ -249,24 +250,25 @@ def _decimal(path: str | Path, columns: dict[str, list[tuple[int, str]]], separa
     if commas and points:
         (n, name, comma), (other, _, point) = commas[0], points[0]
         raise ConfigError(
-            f"{path}:{n}: {name} = {comma!r}, but {point!r} in line {other}: allowed is one "
-            "decimal mark in a file, and no thousands separator"
+            f"{path}:{n}: {name} = {shown(comma)}, but {shown(point)} in line {other}: allowed is "
+            "one decimal mark in a file, and no thousands separator"
         )
     if commas and separator == "," and all(_THOUSANDS.fullmatch(cell) for _, _, cell in commas):
         n, name, cell = commas[0]
         raise ConfigError(
-            f"{path}:{n}: {name} = {cell!r}: a thousands separator or a decimal comma? Write "
+            f"{path}:{n}: {name} = {shown(cell)}: a thousands separator or a decimal comma? Write "
             f"{cell.replace(',', '')} or {cell.replace(',', '.', 1)}"
         )
     return "," if commas else "."
 
 
-def _number(path: str | Path, name: str, row: int, cell: str, decimal: str) -> float:
+def number_of(path: str | Path, name: str, row: int, cell: str, decimal: str = ".") -> float:
+    """The finite number of a cell, else a ConfigError with its line."""
     plain = cell.replace(decimal, ".").replace("\N{MINUS SIGN}", "-")
     try:
         value = float(plain.replace("_", "?"))  # Python's own 1_000 is no number here
     except ValueError:
-        raise ConfigError(f"{path}:{row}: {name} = {cell!r} is not a number") from None
+        raise ConfigError(f"{path}:{row}: {name} = {shown(cell)} is not a number") from None
     if not math.isfinite(value):
-        raise ConfigError(f"{path}:{row}: {name} = {cell} is not finite")
-    return value
+        raise ConfigError(f"{path}:{row}: {name} = {shown(value)} is not finite")
+    return check_number(f"{path}:{row}: {name}", value)

@@ -37,7 +37,7 @@ def load_file(path: str | os.PathLike) -> ModuleType:
         No such file, or an exception while it runs, with its line.
     """
     path = Path(path)
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise ConfigError(f"{path}: no such file")
     path = path.resolve()
     key = path, path.stat().st_mtime_ns

@@ -11,7 +11,9 @@ import codecs
 import contextlib
 import io
 import json
+import math
 import os
+import re
 import stat
 import tomllib
 import zipfile
@@ -21,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, nearest, shown
+from ship_gym.config import LARGEST, ConfigError, nearest, shown
 
 MOST = 1 << 29  # [bytes] of a file, packed or not
 _MOST_TEXT = 1 << 26  # [bytes] of a file of text
@@ -34,6 +36,10 @@ _MARKS = {
     codecs.BOM_UTF16_LE: "utf-16-le",
     codecs.BOM_UTF16_BE: "utf-16-be",
 }
+# Dots between words: the parser takes a time that grows with the square of the parts of a key.
+_DOT = re.compile(r"(?<=[\w\"'])[ \t]*\.[ \t]*(?=[\w\"'])")
+_PARTS = re.compile("[={,\n]")
+_DEEPEST = 100
 _WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # xlsx and ods; xls
 
 
@@ -53,7 +59,7 @@ def read_bytes(path: str | os.PathLike, most: int = MOST) -> bytes:
                 raise ConfigError(f"{path}: allowed is a file, not a device, a pipe or a folder")
             if state.st_size > most:
                 raise ConfigError(f"{path}: {state.st_size} bytes: allowed are at most {most}")
-            return file.read(most)
+            return file.read(state.st_size)  # of a limit alone, all of it would be allocated
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None
     except OSError as error:
@@ -86,7 +92,7 @@ def read_as(path: str | os.PathLike, what: str) -> Iterator[None]:
     except RecursionError:
         raise ConfigError(f"{path}: not {what}: nested too deep") from None
     except Exception as error:
-        told = str(error).strip() or type(error).__name__
+        told = " ".join(str(error).split()) or type(error).__name__
         if isinstance(error, KeyError):
             told = f"no {told}"
         raise ConfigError(f"{path}: not {what}, or damaged: {told}") from None
@@ -140,7 +146,13 @@ def _decoded(path: Path, data: bytes, fallback: str | None) -> str:
 
 def read_toml(path: str | os.PathLike) -> dict[str, Any]:
     """Read a TOML file; a missing or malformed file is a ConfigError with its path."""
-    text = read_text(path)
+    return parsed_toml(read_text(path), path)
+
+
+def parsed_toml(text: str, path: str | os.PathLike) -> dict[str, Any]:
+    """Values of a text in TOML, as `read_toml` reads one; `path` is for the message."""
+    if any(len(_DOT.findall(part)) > _DEEPEST for part in _PARTS.split(text)):
+        raise ConfigError(f"{path}: not a valid TOML file: a key of more than {_DEEPEST} parts")
     with read_as(path, "a valid TOML file"):
         return tomllib.loads(text)
 
@@ -153,14 +165,24 @@ def read_json(path: str | os.PathLike) -> Any:
 def parsed_json(text: str | bytes, path: str | os.PathLike) -> Any:
     """Values of a text in JSON, as `read_json` reads one; `path` is for the message."""
     with read_as(path, "valid JSON"):
-        return json.loads(text, parse_constant=_no_number)
+        return json.loads(text, parse_constant=_no_number, parse_float=_finite)
 
 
 def _no_number(name: str) -> None:
     raise ValueError(f"{name} is no number of JSON")
 
 
-def read_npz(path: str | os.PathLike, *names: str) -> dict[str, np.ndarray]:
+def _finite(text: str) -> float:
+    """A number of JSON; 1e999 would be infinite without a word."""
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{shown(text)} is larger than any number")
+    return number
+
+
+def read_npz(
+    path: str | os.PathLike, *names: str, what: str = "an npz file"
+) -> dict[str, np.ndarray]:
     """Arrays of an npz file; an array of objects, which would be a pickle, is refused.
 
     Parameters
@@ -168,21 +190,87 @@ def read_npz(path: str | os.PathLike, *names: str) -> dict[str, np.ndarray]:
     path : path-like
     *names : str
         Arrays that must be there; others are read too.
+    what : str
+        What the file should be, for the message.
     """
-    data = read_bytes(path)
-    with read_as(path, "an npz file"), np.load(io.BytesIO(data), allow_pickle=False) as found:
-        if not isinstance(found, np.lib.npyio.NpzFile):
-            raise ValueError("holds one array without a name")
-        _check_unpacked(found.zip)
-        arrays = {name: found[name] for name in found.files}
+    arrays = npz_arrays(read_bytes(path), path, what)
     for name in names:
         if name not in arrays:
-            raise ConfigError(f"{path}: no array {name!r};{nearest(name, arrays)}")
+            raise ConfigError(f"{path}: not {what}: no array {name!r};{nearest(name, arrays)}")
     return arrays
 
 
-def _check_unpacked(archive: zipfile.ZipFile) -> None:
-    """Refuse an archive whose files are larger than memory should be."""
+def npz_arrays(
+    data: bytes, path: str | os.PathLike, what: str = "an npz file"
+) -> dict[str, np.ndarray]:
+    """Arrays of the bytes of an npz file, as `read_npz` reads one; `path` is for the message."""
+    with read_as(path, what):
+        found = np.load(io.BytesIO(data), allow_pickle=False)
+        if not isinstance(found, np.lib.npyio.NpzFile):
+            raise ValueError("holds one array without a name")
+        check_unpacked(found.zip)
+        return {name: np.asarray(found[name]) for name in found.files}
+
+
+def read_npy(path: str | os.PathLike) -> np.ndarray:
+    """The array of an npy file; one of objects, which would be a pickle, is refused."""
+    data = io.BytesIO(read_bytes(path))
+    with read_as(path, "an npy file"):
+        return np.lib.format.read_array(data, allow_pickle=False)
+
+
+def check_unpacked(archive: zipfile.ZipFile, most: int = MOST) -> None:
+    """Refuse, by a ValueError, an archive whose files are larger than memory should be."""
     size = sum(entry.file_size for entry in archive.infolist())
-    if size > MOST:
-        raise ValueError(f"{size} bytes when unpacked, allowed are at most {MOST}")
+    if size > most:
+        raise ValueError(f"{size} bytes when unpacked, allowed are at most {most}")
+
+
+def json_head(array: np.ndarray, path: str | os.PathLike) -> dict[str, Any]:
+    """The mapping, in JSON, that lies in an npz file as an array of bytes."""
+    if array.dtype != np.uint8 or array.ndim != 1:
+        raise ConfigError(f"{path}: its text is an array of {array.dtype}: allowed are bytes")
+    head = parsed_json(array.tobytes(), path)
+    if not isinstance(head, dict):
+        raise ConfigError(f"{path}: its text holds {shown(head)}: allowed is a mapping")
+    return head
+
+
+def check_array(
+    field: str,
+    array: np.ndarray,
+    shape: tuple[int | None, ...],
+    low: float = -LARGEST,
+    high: float = LARGEST,
+    unit: str = "-",
+) -> np.ndarray:
+    """Return an array of numbers that are finite and within [low, high], else a ConfigError.
+
+    Parameters
+    ----------
+    field : str
+        File and name, for the message.
+    array : numpy.ndarray
+        Of integers, floats or, by their absolute values, complex numbers.
+    shape : tuple
+        What it must have; None: any number, but not none.
+    low, high : float
+        By default what no quantity exceeds.
+    unit : str
+    """
+    fits = array.ndim == len(shape) and all(
+        size > 0 if wanted is None else size == wanted
+        for size, wanted in zip(array.shape, shape, strict=False)
+    )
+    if not fits:
+        wanted = ", ".join("any" if size is None else str(size) for size in shape)
+        raise ConfigError(f"{field} has shape {array.shape}: allowed is ({wanted})")
+    if array.dtype.kind not in "fiuc":
+        raise ConfigError(f"{field} is of type {shown(str(array.dtype))}: allowed are numbers")
+    sizes = np.abs(array) if array.dtype.kind == "c" else array
+    if sizes.size and not (low <= sizes.min() and sizes.max() <= high):  # false for nan, too
+        first = np.argwhere(~((sizes >= low) & (sizes <= high)))[0]
+        place = ", ".join(map(str, first))
+        value = shown(array[tuple(first)])
+        raise ConfigError(f"{field}[{place}] = {value}: allowed is {low:g} to {high:g} [{unit}]")
+    return array

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ship_gym.behaviour import check_behaviour
 from ship_gym.config import ConfigError, check_angle, check_number
 from ship_gym.conventions import (
     COMMAND_NAMES,
@@ -47,11 +48,20 @@ PARALLEL_FROM = (
 
 _MADE = ("fleet", "_sail")  # of the arrays, at the first step
 # arrays of a fleet with a row for each ship, beside those of the water
-_OF_SHIPS = ("state", "commands", "time", "clock", "ships", "seas", "forces", "flow", "met")
+_OF_SHIPS = (
+    *("state", "commands", "time", "clock", "limits", "lost", "ships", "seas", "forces", "flow"),
+    "met",
+)
+# Beyond these a state is none of a ship: speed through the water over U0, r L / U0, of the nominal
+# speed of her file.
+FASTEST, FASTEST_TURN = 3.0, 5.0
 
 
 class SimulationDiverged(RuntimeError):
-    """A state became non-finite; the message carries ship, time, state, command and forces."""
+    """A state is none of a ship any more: not finite, or beyond `FASTEST`.
+
+    The message carries ship, time, state, command and forces.
+    """
 
 
 class ShipSim:
@@ -87,6 +97,10 @@ class ShipSim:
         ``physics.waves.WAVE_NAMES``. The motion is what sensors see on top of the state.
     water : sea.records.Waters
         Seas of the ships; `set_sea` draws their phases.
+    limits : numpy.ndarray
+        Speed through the water [m/s] and yaw rate [rad/s] beyond which a ship is none, (n, 2).
+    lost : numpy.ndarray
+        Whether she was so in the last step, or is not finite, bool (n,).
     """
 
     def __init__(
@@ -100,6 +114,7 @@ class ShipSim:
         self.ships = load_ships(ship, self.n)
         if len(self.ships) != self.n:
             raise ConfigError(f"{len(self.ships)} ships given for n = {self.n}")
+        self._check_ships()
         made = fleet(self.ships)
         self._records, self._expected = made.records, ()
         self._tables = Tables(made.open_water, made.deflected)
@@ -117,7 +132,14 @@ class ShipSim:
         two = any(ship.propellers == 2 for ship in self.ships)
         self.flow = np.zeros((self.n, len(FLOW_OF_UNITS) if two else N_FLOW))
         self._clock = np.zeros((self.n, 2))
+        self.limits = np.array([limits_of(ship) for ship in self.ships])
+        self.lost = np.zeros(self.n, dtype=np.bool_)
         self._longest = np.array([longest_step(s) for s in self.ships])
+
+    def _check_ships(self) -> None:
+        """Refuse ships of own files that do what no ship does (``behaviour``), looked at once."""
+        for ship in numbered(self.ships)[0]:
+            check_behaviour(ship, _Trial)
 
     def reset(
         self,
@@ -153,6 +175,7 @@ class ShipSim:
             low = -max(s.engine.n_astern for s in self.ships)
             check_number("n", value, low, max(s.engine.n_max for s in self.ships), "rev/s")
         speeds = np.array([s.speed for s in self.ships]) if speed is None else speed
+        self._check_speeds(np.broadcast_to(speeds, (self.n,)))
         self.state[:] = 0.0
         self.state[:, PSI] = psi
         self.state[:, U] = speeds
@@ -166,6 +189,14 @@ class ShipSim:
         uniform = np.stack([rng.random(n_phases) for rng in draws])
         self.set_sea(np.arange(self.n), uniform, self._waves_to)
         return self.state
+
+    def _check_speeds(self, speeds: np.ndarray) -> None:
+        """Refuse a speed at the start that no ship has."""
+        beyond = np.abs(speeds) > self.limits[:, 0]
+        if beyond.any():
+            i = int(beyond.argmax())
+            limit = self.limits[i, 0]
+            check_number(f"{self.ships[i].name}: speed", float(speeds[i]), -limit, limit, "m/s")
 
     def set_sea(self, which: np.ndarray, uniform: np.ndarray, waves_to: np.ndarray) -> None:
         """Draw the seas of some ships anew; their states and times must be set before.
@@ -256,7 +287,7 @@ class ShipSim:
             Wrong shape, a command that is not finite or looks like degrees, an interval that is
             not positive.
         SimulationDiverged
-            A state became non-finite.
+            A state is none of a ship any more (`limits`).
         """
         commands = np.asarray(commands, dtype=np.float64)
         if commands.shape != self.commands.shape:
@@ -285,14 +316,14 @@ class ShipSim:
         Raises
         ------
         SimulationDiverged
-            A state became non-finite.
+            A state is none of a ship any more (`limits`).
         """
         if self.sail() < self.n:
             self._report_divergence()
         return self.state
 
     def sail(self) -> int:
-        """As `advance`, but a state that is not finite is no error; returns how many are finite."""
+        """As `advance`, but a ship that is none any more is no error; returns how many are."""
         return sum(in_parts(self._sail, self.n, self.threads))
 
     def loads_now(self, which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -335,6 +366,8 @@ class ShipSim:
             commands=self.commands,
             time=self.time,
             clock=self._clock,
+            limits=self.limits,
+            lost=self.lost,
             ships=self._records,
             seas=self.seas,
             forces=self.forces,
@@ -358,7 +391,7 @@ class ShipSim:
         return {k: v for k, v in self.__dict__.items() if k not in _MADE}
 
     def _report_divergence(self) -> None:
-        i = int(np.flatnonzero(~np.isfinite(self.state).all(axis=1))[0])
+        i = int(self.lost.argmax())
         state = ", ".join(f"{k}={x:.6g}" for k, x in zip(STATE_NAMES, self.state[i], strict=True))
         command = ", ".join(
             f"{k}={x:.6g}" for k, x in zip(COMMAND_NAMES, self.commands[i], strict=True)
@@ -366,10 +399,29 @@ class ShipSim:
         forces = ", ".join(
             f"{k}={x}" for k, x in zip(FORCE_COMPONENTS, self.forces[i].tolist(), strict=True)
         )
+        fastest, turn = self.limits[i]
+        why = (
+            f"beyond {fastest:.4g} m/s through the water or {turn:.4g} rad/s, where none is a ship"
+        )
+        if not np.isfinite(self.state[i]).all():
+            why = "not finite"
         raise SimulationDiverged(
-            f"ship {i} ({self.ships[i].name}) diverged at t = {self.time[i]:.6g} s: state {state}; "
+            f"ship {i} ({self.ships[i].name}) diverged at t = {self.time[i]:.6g} s, {why}: "
+            f"state {state}; "
             f"command {command}; forces at the start of the step {forces}"
         )
+
+
+class _Trial(ShipSim):
+    """Ships whose behaviour is being looked at."""
+
+    def _check_ships(self) -> None:
+        """They may do what no ship does."""
+
+
+def limits_of(ship: Ship) -> tuple[float, float]:
+    """Speed through the water [m/s] and yaw rate [rad/s] beyond which a ship is none."""
+    return FASTEST * ship.file_speed, FASTEST_TURN * ship.file_speed / ship.hull.L
 
 
 def longest_step(ship: Ship) -> float:
@@ -412,6 +464,12 @@ def self_propulsion(ship: Named | Ship, speed: float) -> float:
     def surge(n: float) -> float:
         own, _ = ship_forces((speed, 0.0, 0.0), (0.0, n), record, tables)
         return total(own).X
+
+    if not surge(0.0) < 0.0:
+        raise ConfigError(
+            f"{ship.name} has no resistance: at {speed:.4g} m/s with the propeller stopped the "
+            f"force ahead is {surge(0.0):.4g} N; allowed is below 0"
+        )
 
     if surge(ship.engine.n_max) < 0.0:
         raise ConfigError(

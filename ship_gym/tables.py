@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, nearest
+from ship_gym.config import ConfigError, build, check_number, nearest, shown
 from ship_gym.provenance import atomic_path
+from ship_gym.reading import check_array, json_head, read_npz
+
+_MOST_POINTS = 1_000_000  # of an axis
 
 
 @dataclasses.dataclass(frozen=True)
@@ -27,6 +29,14 @@ class Axis:
     start: float
     step: float
     count: int
+
+    def __post_init__(self):
+        where = f"table axis {shown(self.name)}"
+        check_number(f"{where}.start", self.start)
+        check_number(f"{where}.step", self.step)
+        check_number(f"{where}.count", self.count, 2, _MOST_POINTS)
+        if self.step <= 0.0:
+            raise ConfigError(f"{where}.step = {self.step}: allowed is above 0")
 
     @property
     def points(self) -> np.ndarray:
@@ -66,16 +76,17 @@ class Table:
     card: dict[str, Any] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self):
+        if not 1 <= len(self.axes) <= 3:
+            raise ConfigError(f"table: {len(self.axes)} axes: allowed are 1 to 3")
+        if not self.names or len(set(self.names)) < len(self.names):
+            raise ConfigError(f"table names = {shown(self.names)}: each is allowed once, none not")
+        if self.values.dtype != np.float64:
+            raise ConfigError(f"table values are of type {self.values.dtype}: allowed is float64")
         shape = (*(axis.count for axis in self.axes), len(self.names))
-        if self.values.shape != shape or self.values.dtype != np.float64:
-            raise ConfigError(f"table values have shape {self.values.shape}, axes say {shape}")
-        if not np.isfinite(self.values).all():
-            raise ConfigError(f"table {self.names} has non-finite values")
+        check_array("table values", self.values, shape)
         frozen = self.values.view()  # one table may serve many ships
         frozen.flags.writeable = False
         object.__setattr__(self, "values", frozen)
-        if any(axis.count < 2 or axis.step <= 0.0 for axis in self.axes):
-            raise ConfigError("a table axis needs at least two points and a positive step")
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Table):
@@ -135,16 +146,24 @@ class Table:
     @classmethod
     def load(cls, path: str | Path) -> Table:
         """Read a table written by `save`; a missing or damaged file is a ConfigError."""
+        if not Path(path).exists():
+            raise ConfigError(f"{path}: no such table file")
+        arrays = read_npz(path, "values", "meta", what="a table file")
+        meta = build(_Meta, json_head(arrays["meta"], path), str(path))
         try:
-            with np.load(path, allow_pickle=False) as data:
-                meta = json.loads(data["meta"].tobytes())
-                values = data["values"]
-        except FileNotFoundError:
-            raise ConfigError(f"{path}: no such table file") from None
-        except (KeyError, OSError, ValueError, zipfile.BadZipFile) as error:
-            raise ConfigError(f"{path}: not a table file: {error}") from None
-        axes = tuple(Axis(**axis) for axis in meta["axes"])
-        return cls(axes, tuple(meta["names"]), values, meta["card"])
+            axes = tuple(build(Axis, axis, f"axis {k}") for k, axis in enumerate(meta.axes))
+            return cls(axes, meta.names, arrays["values"], meta.card)
+        except ConfigError as error:
+            raise ConfigError(f"{path}: {error}") from None
+
+
+@dataclasses.dataclass(frozen=True)
+class _Meta:
+    """What a file says of its table beside the values."""
+
+    axes: tuple[dict, ...]
+    names: tuple[str, ...]
+    card: dict
 
 
 def _cell(axis: Axis, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,6 +1,10 @@
+import contextlib
 import errno
 import os
 import pickle
+import socket
+import subprocess
+import sys
 
 import pytest
 
@@ -11,9 +15,11 @@ from ship_gym.provenance import (
     check_place,
     full_disk_named,
     git_commit,
+    held,
     no_space,
     provenance,
     sha256,
+    sweep,
 )
 
 
@@ -61,7 +67,8 @@ def test_a_place_that_cannot_be_is_refused(tmp_path, place, folder, reason):
     (tmp_path / "folder").mkdir()
     (tmp_path / "file").touch()
     (tmp_path / "lost").symlink_to(tmp_path / "nowhere")
-    with pytest.raises(ConfigError, match=f"^--to {tmp_path}/{place}: .*{reason}$"):
+    where = rf"{tmp_path}/{place}" if len(place) < 20 else r"\S+\.\.\.x+"
+    with pytest.raises(ConfigError, match=f"^--to {where}: .*{reason}$"):
         check_place(tmp_path / place, "--to", folder)
 
 
@@ -72,6 +79,90 @@ def test_a_place_without_permission_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.TemporaryFile", refuse)
     with pytest.raises(ConfigError, match=f"cannot write into {tmp_path}: permission denied"):
         check_place(tmp_path / "x", "--to")
+
+
+@pytest.fixture(params=["device", "pipe", "socket", "folder", "link to itself"])
+def no_file(request, tmp_path):
+    """Something that no file can be written to, and what it is called."""
+    path = tmp_path / "x.json"
+    if request.param == "device":
+        path.symlink_to("/dev/null")
+    elif request.param == "pipe":
+        os.mkfifo(path)
+    elif request.param == "socket":
+        with socket.socket(socket.AF_UNIX) as one, contextlib.chdir(tmp_path):
+            one.bind(path.name)
+    elif request.param == "folder":
+        path.mkdir()
+    else:
+        path.symlink_to(path)
+    return path, request.param
+
+
+@pytest.mark.skipif(os.name == "nt", reason="has none of them")
+def test_only_a_regular_file_or_a_new_one_is_written(no_file):
+    path, what = no_file
+    before = os.lstat(path)
+    with pytest.raises(ConfigError, match=rf"^--to {path}: (that is )?a {what}"):
+        check_place(path, "--to")
+    with pytest.raises(ConfigError, match=rf"^{path}: (that is )?a {what}"), atomic_path(path):
+        pytest.fail("was given a place")
+    assert os.path.samestat(before, os.lstat(path)) and len(os.listdir(path.parent)) == 1
+    assert not os.path.isfile("/dev/null")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need a right there")
+def test_links_stay_and_their_target_is_replaced_with_its_mode(tmp_path):
+    target, link, further = tmp_path / "in" / "a.txt", tmp_path / "b.txt", tmp_path / "c.txt"
+    target.parent.mkdir()
+    target.write_text("old")
+    target.chmod(0o640)
+    link.symlink_to(target)
+    further.symlink_to("b.txt")
+    with atomic_path(further) as temporary:
+        assert temporary.parent == target.parent
+        temporary.write_text("new")
+    assert link.is_symlink() and further.is_symlink() and target.read_text() == "new"
+    assert target.stat().st_mode & 0o777 == 0o640
+    target.unlink()
+    with atomic_path(check_place(further, "--to")) as temporary:  # links to what is not there yet
+        temporary.write_text("again")
+    assert link.is_symlink() and target.read_text() == "again"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="has no locks of open files")
+def test_what_a_killed_writer_left_is_swept_and_what_a_living_one_writes_is_not(tmp_path):
+    write = (
+        "import os, sys; from pathlib import Path; from ship_gym.provenance import atomic_path\n"
+        f"with atomic_path({str(tmp_path / 'a.json')!r}) as path:\n"
+        "    path.write_text('half'); os.kill(os.getpid(), 9)"
+    )
+    subprocess.run([sys.executable, "-c", write], check=False)
+    assert len(strays(tmp_path)) == 1
+    (tmp_path / ".my-settings.json").write_text("a user's own")
+    with atomic_path(tmp_path / "b.json") as living:
+        sweep(tmp_path, tmp_path / "other.json")
+        assert len(strays(tmp_path)) == 2, "others than of this file stay"
+        check_place(tmp_path / "a.json", "--to")
+        assert strays(tmp_path) == [living.name]
+        sweep(tmp_path)
+        living.write_text("whole")
+    assert sorted(os.listdir(tmp_path)) == [".my-settings.json", "b.json"]
+
+
+def strays(folder):
+    return [name for name in os.listdir(folder) if name.startswith(".") and ".tmp" in name]
+
+
+def test_a_file_is_held_by_one_process(tmp_path):
+    path = tmp_path / "a.toml"
+    with held(path, "tunes into this file"):
+        with pytest.raises(ConfigError) as caught, held(path, "tunes into this file"):
+            pytest.fail("was let in")
+        assert str(caught.value).startswith(f"{path}: another process (pid {os.getpid()}) tunes")
+    with held(path, "tunes into this file"):
+        pass
+    assert not os.listdir(tmp_path) or os.name == "nt"
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EFBIG, errno.EDQUOT])

@@ -7,11 +7,12 @@ names those without training; `make_controller` also loads the others.
 from __future__ import annotations
 
 import contextlib
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, check_known
+from ship_gym.config import ConfigError, check_known, shown, told_of
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.own_files import split
 from ship_gym.ships import load_ship
@@ -75,11 +76,12 @@ def make_controller(name_or_path: str | Path) -> Controller:
     if is_own(name):
         return _of_file(own_controller(name), split(name)[0])
     if path.suffix == ".toml":
-        kind = controller_class(kind_of(path))
+        with told_of(path):
+            kind = controller_class(kind_of(path))
         return _of_file(kind(load_gains(path, kind).gains, name=path.stem), path)
-    if "@" in name and not path.exists():
+    if "@" in name and not os.path.exists(path):
         return _with_gains_of(*name.rsplit("@", 1))
-    if (file := shipped_file(name)) or (name not in CONTROLLERS and path.exists()):
+    if (file := shipped_file(name)) or (name not in CONTROLLERS and os.path.exists(path)):
         # Late: the import of this package is light, and an autopilot needs no policies.
         from ship_gym_agents.policies.policy_file import load_policy
 
@@ -87,7 +89,7 @@ def make_controller(name_or_path: str | Path) -> Controller:
         policy.name = name if file else policy.name
         return policy
     if path.suffix or len(path.parts) > 1:
-        raise ConfigError(f"{name}: no such policy; train one with: ship-gym train")
+        raise ConfigError(f"{shown(name, 150)}: no such policy; train one with: ship-gym train")
     return CONTROLLERS[check_known("controller", name, [*CONTROLLERS, *pretrained()])]()
 
 
@@ -114,7 +116,7 @@ def controller_class(name: str) -> type:
         found = CONTROLLERS.get(name)
     if not hasattr(found, "KIND"):
         able = [key for key, one in CONTROLLERS.items() if hasattr(one, "KIND")]
-        raise ConfigError(f"controller {name!r} has no gains; allowed are {', '.join(able)}")
+        raise ConfigError(f"controller {shown(name)} has no gains; allowed are {', '.join(able)}")
     return found
 
 

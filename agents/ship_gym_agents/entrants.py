@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -89,13 +90,13 @@ def _is_policy(text: str) -> bool:
     """Whether `make_controller` would read a policy from this path."""
     path = Path(text)
     usual = text in CONTROLLERS or shipped_file(text) or path.suffix == ".toml" or split(text)
-    return not usual and path.exists()
+    return not usual and os.path.exists(path)
 
 
 def _absolute(named: str) -> str:
     """The name, files as absolute paths: another process may stand in another folder."""
     file, name = split(named) or (Path(named), "")
-    if not file.exists():
+    if not os.path.exists(file):
         return named
     return f"{file.resolve()}{f':{name}' if name else ''}"
 
@@ -107,7 +108,7 @@ def _file(text: str) -> Path | None:
 
         return policy_path(text)
     file = Path((split(text) or (text, ""))[0])
-    found = [path for path in (shipped_file(text), file) if path and path.is_file()]
+    found = [path for path in (shipped_file(text), file) if path and os.path.isfile(path)]
     return found[0] if found else None
 
 

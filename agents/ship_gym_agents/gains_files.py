@@ -17,7 +17,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, build
+from ship_gym.config import ConfigError, build, shown
+from ship_gym.keys import Keys
 from ship_gym.provenance import atomic_path
 from ship_gym.reading import read_toml
 from ship_gym.ships.particulars import Ship
@@ -129,7 +130,7 @@ def gains_type(controller: type) -> type:
 
 def kind_of(path: str | Path) -> str:
     """Kind of controller that a file of gains is for."""
-    return str(read_toml(path).get("controller", "pid"))
+    return Keys(read_toml(path), str(path)).text("controller", "pid")
 
 
 def load_gains(path: str | Path, controller: type) -> GainsFile:
@@ -160,7 +161,9 @@ def find_tuned(ship: Ship, controller: type, task: str | None = None) -> GainsFi
     found, named = load_gains(path, controller), task_of(path)
     if found.task != named:
         allowed = "no such key" if named is None else repr(named)
-        raise ConfigError(f"{path}.task = {found.task!r}: by the file's name allowed is {allowed}")
+        raise ConfigError(
+            f"{path}.task = {shown(found.task)}: by the file's name allowed is {allowed}"
+        )
     return found
 
 
@@ -170,7 +173,7 @@ def tuned_file(ship: Ship, controller: type, task: str | None = None) -> GainsFi
     if found is None:
         option = "" if kind == "pid" else f"--controllers {kind} "
         raise ConfigError(
-            f"no {kind} gains for ship {ship.name!r} (tuned: {', '.join(tuned_ships(kind))}); "
+            f"no {kind} gains for ship {shown(ship.name)} (tuned: {', '.join(tuned_ships(kind))}); "
             f"tune them with: ship-gym tune {option}--ship NAME_OR_FILE --out mine.toml, then take "
             "the controller 'mine.toml', in Python make_controller('mine.toml')"
         )
@@ -217,4 +220,4 @@ def _literal(value: object) -> str:
         return "[" + ", ".join(map(_literal, value)) + "]"
     if isinstance(value, int | float):
         return repr(value)
-    raise ConfigError(f"cannot write {value!r} to a gains file")
+    raise ConfigError(f"cannot write {shown(value)} to a gains file")

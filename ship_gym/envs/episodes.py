@@ -305,7 +305,7 @@ class EpisodeBatch:
 
     def _check_speed(self, which: np.ndarray, speeds: np.ndarray) -> None:
         """Refuse a speed at the start that no ship has."""
-        fastest = bridge.FASTEST * self.tasks["file_speed"][which]
+        fastest = self.sim.limits[which, 0]
         for speed, limit in zip(speeds, fastest, strict=True):
             check_number("options['speed']", speed, -limit, limit, "m/s")
 
@@ -368,7 +368,8 @@ class EpisodeBatch:
     def _end_diverged(self, which: np.ndarray) -> None:
         """End episodes whose ship is none any more and has its last state back; the rest sails on.
 
-        That is where a state is not finite, or faster than any ship (``bridge.is_ship``).
+        That is where a state is not finite, where she was faster than any ship at any step of the
+        interval (``simulation.FASTEST``), or where her reward is no number.
         """
         sim = self.sim
         for loads in (sim.forces, sim.flow):

@@ -6,6 +6,7 @@ The loops here call the kernels of a task by name; `kernels_of` makes them the t
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -18,7 +19,7 @@ from ship_gym.physics.dynamics import water_velocity
 from ship_gym.physics.step import Fleet, sail, thread_of
 from ship_gym.tasks import privileged
 from ship_gym.tasks.base import Task
-from ship_gym.tasks.bridge import account, clear, command, end_diverged, whole
+from ship_gym.tasks.bridge import account, clear, command, end_diverged
 
 _NONE = np.zeros(0, np.int64)
 BAD_ACTION, BAD_OUTCOME = -(2**62), -(2**31)  # instead of how many have diverged
@@ -131,8 +132,8 @@ def _interval(first, last, fleet, episodes):
     """Sail one control interval of the episodes from `first` up to `last`.
 
     A block of ships at a time, which stays near the processor from its actions to what is seen. A
-    ship that is none any more gets back its last state; it is not observed, and its episode not
-    ended: `diverged` tells.
+    ship that is none any more (``fleet.lost``), or whose reward or error is no number, gets back
+    its last state; it is not observed, and its episode not ended: `diverged` tells.
 
     Returns
     -------
@@ -158,7 +159,7 @@ def _interval(first, last, fleet, episodes):
             judge(state, before, sea, task, e.plans[i], e.terms[i], result)
             if result.outcome < 0 or result.outcome >= len(e.failed):
                 return BAD_OUTCOME
-            good = whole(state, sea, task)
+            good = not fleet.lost[i] and math.isfinite(result.reward + result.error)
             failure = e.failed[result.outcome]
             success = result.truncated and not failure
             if has_aim:
@@ -229,7 +230,8 @@ def _end(which, fleet, episodes):
     e = episodes
     for i in which:
         end_diverged(e.tasks[i], e.terms[i], e.results[i])
-        e.results[i].error = error(fleet.state[i], e.tasks[i])
+        found = error(fleet.state[i], e.tasks[i])
+        e.results[i].error = found if math.isfinite(found) else 0.0
 
 
 @functools.cache

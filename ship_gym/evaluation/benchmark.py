@@ -95,7 +95,8 @@ def benchmark(
     with folder.locked():
         folder.begin(made.settings(), fresh)
         units = dict(enumerate(made.units()))
-        found = {number: kept for number in units if (kept := folder.kept(number)) is not None}
+        there = {number: folder.kept(number, unit.seeds) for number, unit in units.items()}
+        found = {number: kept for number, kept in there.items() if kept is not None}
         n_kept = len(found)
         todo = {number: unit for number, unit in units.items() if number not in found}
         running = sail(todo)

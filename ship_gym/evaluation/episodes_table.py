@@ -9,13 +9,17 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, check_known, shown
+from ship_gym.evaluation.about import check_about
 from ship_gym.evaluation.metrics import all_metrics
+from ship_gym.keys import Keys
 from ship_gym.provenance import atomic_path
+from ship_gym.reading import MOST, parsed_json, read_as, read_bytes
 
 if TYPE_CHECKING:
     import pyarrow
@@ -24,6 +28,8 @@ SORTED_BY = ("suite", "scenario", "ship", "controller", "seed")
 RUN_TIMES = ("decision_ms",)
 _ABOUT = b"ship_gym"  # key of the schema's metadata
 _TEXT, _WHOLE, _TRUTH, _NUMBER = "string", "int64", "bool", "float64"
+_TYPES = {_TEXT: str, _WHOLE: int, _TRUTH: bool, _NUMBER: int | float}
+_MOST = {_WHOLE: 2**63, _NUMBER: 10**308}
 
 # Columns before and after those of the metrics, with their types. Encounter angles: 0 from astern,
 # 180 from ahead, of the first ordered heading or leg, positive from starboard; null where there is
@@ -89,18 +95,41 @@ def arrow() -> Any:
     return pyarrow, pyarrow.parquet
 
 
-def schema() -> pyarrow.Schema:
+def columns() -> dict[str, str]:
     """Names and types of the columns."""
+    return BEFORE | dict.fromkeys(all_metrics(), _NUMBER) | AFTER
+
+
+def schema() -> pyarrow.Schema:
+    """Names and types of the columns, as pyarrow has them."""
     pa, _ = arrow()
-    columns = BEFORE | dict.fromkeys(all_metrics(), _NUMBER) | AFTER
-    return pa.schema([(name, pa.type_for_alias(kind)) for name, kind in columns.items()])
+    return pa.schema([(name, pa.type_for_alias(kind)) for name, kind in columns().items()])
+
+
+def check_row(row: Any, where: str) -> dict[str, Any]:
+    """A row of plain values, refused if one is not what its column holds.
+
+    Parameters
+    ----------
+    where : str
+        The file, for the message.
+    """
+    values, kinds = Keys(row, where, "rows"), columns()
+    for name, value in values.values.items():
+        kind = kinds[check_known(f"column of {where}:", name, kinds)]
+        right = value is None or isinstance(value, _TYPES[kind])
+        if not right or (isinstance(value, bool) != (kind == _TRUTH) and value is not None):
+            raise ConfigError(f"{values.label(name)} = {shown(value)}: must be of type {kind}")
+        if kind in (_WHOLE, _NUMBER) and value is not None and abs(value) >= _MOST[kind]:
+            raise ConfigError(f"{values.label(name)} = {shown(value)}: too large for {kind}")
+    return dict(values.values)
 
 
 def table_of(rows: Iterable[Mapping[str, Any]]) -> pyarrow.Table:
     """Rows as a sorted table; what a row lacks is null, and so is what is not finite."""
     pa, _ = arrow()
     fields = schema()
-    plain = [{name: _plain(row.get(name)) for name in fields.names} for row in rows]
+    plain = [{name: finite(row.get(name)) for name in fields.names} for row in rows]
     unknown = {key for row in rows for key in row} - set(fields.names)
     if unknown:
         raise ConfigError(f"an episode has no column {sorted(unknown)[0]!r}")
@@ -108,7 +137,8 @@ def table_of(rows: Iterable[Mapping[str, Any]]) -> pyarrow.Table:
     return made.sort_by([(name, "ascending") for name in SORTED_BY])
 
 
-def _plain(value: Any) -> Any:
+def finite(value: Any) -> Any:
+    """The value, None for a number that is not finite."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -134,26 +164,65 @@ def read_results(path: str | Path) -> Results:
     ConfigError
         No such file, not a parquet file, damaged, or not of a benchmark.
     """
-    pa, parquet = arrow()
     path = Path(path)
-    path = path / "episodes.parquet" if path.is_dir() else path
-    if not path.is_file():
+    path = path / "episodes.parquet" if os.path.isdir(path) else path
+    if not os.path.isfile(path):
         raise ConfigError(f"{path}: no such file; results are made by: ship-gym benchmark")
-    try:
-        table = parquet.read_table(path)
-    except (pa.ArrowException, OSError) as error:
-        raise ConfigError(f"{path}: not a parquet file, or damaged: {error}") from None
+    table, about = read_parquet(path, _ABOUT, "a benchmark")
     _check(path, table)
-    about = json.loads(table.schema.metadata[_ABOUT])
-    return Results(table.replace_schema_metadata(None), about)
+    return Results(table.replace_schema_metadata(None), check_about(about, str(path)))
+
+
+def read_parquet(path: str | Path, key: bytes, what: str) -> tuple[pyarrow.Table, dict[str, Any]]:
+    """The table of a parquet file, its numbers finite or null, and the mapping beside it.
+
+    Parameters
+    ----------
+    path : path-like
+    key : bytes
+        Of the mapping, as JSON, in the schema's metadata.
+    what : str
+        Whose table it should be, for the message.
+
+    Raises
+    ------
+    ConfigError
+        Not a parquet file, damaged, or of something else.
+    """
+    pa, parquet = arrow()
+    data = read_bytes(path)
+    with read_as(path, "a parquet file"):
+        file = parquet.ParquetFile(pa.BufferReader(data))
+        rows, size = file.metadata.num_rows, sum(
+            file.metadata.row_group(k).total_byte_size for k in range(file.metadata.num_row_groups)
+        )  # fmt: skip
+        if max(size, 8 * rows * file.metadata.num_columns) > MOST:
+            raise ValueError(f"{rows} rows of {size} bytes: allowed are {MOST} bytes in all")
+        table = file.read()
+        table.validate(full=True)
+    text = (table.schema.metadata or {}).get(key)
+    if text is None:
+        raise ConfigError(f"{path}: a parquet file, but not of {what}: it does not say so")
+    about = parsed_json(text, path)
+    if not isinstance(about, dict):
+        raise ConfigError(f"{path}: says of itself {shown(about)}: allowed is a mapping")
+    for name in table.column_names:
+        values = table.column(name)
+        if pa.types.is_floating(values.type) and not _all_finite(values):
+            raise ConfigError(f"{path}: column {shown(name)} holds a number that is not finite")
+    return table, about
+
+
+def _all_finite(values: pyarrow.ChunkedArray) -> bool:
+    return all(math.isfinite(value) for value in values.to_pylist() if value is not None)
 
 
 def _check(path: Path, table: pyarrow.Table) -> None:
-    if _ABOUT not in (table.schema.metadata or {}):
-        raise ConfigError(f"{path}: a parquet file, but not of a benchmark: it does not say so")
     for name, kind in (BEFORE | AFTER).items():
         if name not in table.column_names:
             raise ConfigError(f"{path}: not of this version's benchmark: no column {name!r}")
         found = str(table.schema.field(name).type)
         if found.replace("double", _NUMBER) != kind:
             raise ConfigError(f"{path}: column {name!r} is of type {found}, must be {kind}")
+        if name in SORTED_BY and table.column(name).null_count:
+            raise ConfigError(f"{path}: column {name!r} has a row without a value")

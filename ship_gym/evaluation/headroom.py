@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known
+from ship_gym.config import ConfigError, build, check_known
 from ship_gym.conventions import wrap_angle
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.evaluation.bound import ITERATIONS, optimum
@@ -38,6 +38,7 @@ from ship_gym.evaluation.statistics import (
     paired,
     tails,
 )
+from ship_gym.keys import read_keys
 from ship_gym.provenance import atomic_path, provenance, sha256
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
@@ -264,7 +265,9 @@ def read(path: Path = FILE) -> dict[str, dict[str, Any]]:
     """Cells by ``scenario/ship``; none if there is no file."""
     if not path.is_file():
         return {}
-    return json.loads(path.read_text(encoding="utf-8"))["cells"]
+    found = read_keys(path).table("cells").tables()
+    cells = {name: build(Cell, cell.values, f"{path}: {cell.name}") for name, cell in found}
+    return {name: dataclasses.asdict(cell) for name, cell in cells.items()}
 
 
 def write(cells: Mapping[str, Mapping[str, Any]], path: Path = FILE) -> None:

@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError
+from ship_gym.evaluation.episodes_table import check_row, finite
 from ship_gym.evaluation.unit import Sailed
-from ship_gym.provenance import atomic_path, locked
+from ship_gym.keys import read_keys
+from ship_gym.provenance import atomic_path, locked, sweep
 
 EPISODES = "episodes.parquet"
 REPORT = "report.html"
@@ -38,9 +40,16 @@ class RunFolder:
         """The table of all episodes."""
         return self.path / EPISODES
 
-    def locked(self) -> contextlib.AbstractContextManager[None]:
-        """Hold the folder; refused while another process does. Killing that one frees it."""
-        return locked(self.path / _LOCK, "benchmarks into this folder")
+    @contextlib.contextmanager
+    def locked(self) -> Iterator[None]:
+        """Hold the folder; refused while another process does. Killing that one frees it.
+
+        What killed ones left half is removed.
+        """
+        with locked(self.path / _LOCK, "benchmarks into this folder"):
+            for folder in (self.path, self._units, self.path / RECORDINGS):
+                sweep(folder)
+            yield
 
     def settings(self) -> dict[str, Any] | None:
         """Settings of the run in the folder; None if there is none.
@@ -54,9 +63,9 @@ class RunFolder:
         if not file.is_file():
             return None
         try:
-            return json.loads(file.read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise ConfigError(f"{file}: damaged: {error}; begin anew with --fresh") from None
+            return dict(read_keys(file).values)
+        except ConfigError as error:
+            raise ConfigError(f"{error}; begin anew with --fresh") from None
 
     def begin(self, settings: Mapping[str, Any], fresh: bool) -> None:
         """Begin a run, or continue the one in the folder if it has these settings.
@@ -100,15 +109,18 @@ class RunFolder:
     def keep(self, number: int, sailed: Sailed) -> None:
         """Keep the rows of a finished unit."""
         with atomic_path(self._file(number)) as temporary:
-            kept = {"seconds": sailed.seconds, "rows": sailed.rows}
+            rows = [{key: finite(value) for key, value in row.items()} for row in sailed.rows]
+            kept = {"seconds": sailed.seconds, "rows": rows}
             temporary.write_text(json.dumps(kept), encoding="utf-8")
 
-    def kept(self, number: int) -> Sailed | None:
-        """Rows of a unit that is finished; None if it is not, or its file is damaged."""
+    def kept(self, number: int, seeds: Sequence[int]) -> Sailed | None:
+        """Rows of a unit of these seeds; None if it is not finished, or its file is damaged."""
         try:
-            found = json.loads(self._file(number).read_text(encoding="utf-8"))
-            return Sailed(found["rows"], found["seconds"])
-        except (OSError, ValueError, KeyError, TypeError):
+            found = read_keys(self._file(number))
+            rows = [check_row(row, found.where) for row in found.items("rows")]
+            whole = [row.get("seed") for row in rows] == [*seeds]
+            return Sailed(rows, found.number("seconds", 0.0)) if whole else None
+        except ConfigError:
             return None
 
     def _file(self, number: int) -> Path:

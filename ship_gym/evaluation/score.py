@@ -8,7 +8,6 @@ stands. What it is measured against is frozen with the benchmark's version, in
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -16,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number
+from ship_gym.config import ConfigError, check_known, check_number, shown
 from ship_gym.evaluation.metrics import all_metrics
 from ship_gym.evaluation.statistics import (
     Estimate,
@@ -25,12 +24,13 @@ from ship_gym.evaluation.statistics import (
     interquartile_weights,
     tails,
 )
-from ship_gym.reading import read_text
+from ship_gym.keys import Keys, read_keys
 
 VERSION = "ShipBench-1"
 FILE = Path(__file__).with_name("shipbench_1.json")
 LEAST = 1.05  # nothing / reference below it: the scenario tells no one from doing nothing
 OPTIMA = ("gauss-newton plan", "minimum-time turn")
+_LEAST, _MOST = 1e-12, 1e12  # of a measure
 _KEYS = ("measure", "nothing", "reference", "reference_controller", "optimum", "optimum_kind")
 _MORE = ("optimum_seeds", "headroom")
 # what ``evaluation.headroom`` keeps beside
@@ -53,7 +53,7 @@ def normalised(x: float, nothing: float, reference: float) -> float | None:
     """
     for name, value in (("x", x), ("nothing", nothing), ("reference", reference)):
         if not (isinstance(value, int | float | np.number) and 0.0 < value < math.inf):
-            raise ConfigError(f"{name} = {value!r}: a score needs a positive, finite measure")
+            raise ConfigError(f"{name} = {shown(value)}: a score needs a positive, finite measure")
     return None if nothing / reference < LEAST else float(_score(x, nothing, reference))
 
 
@@ -157,69 +157,53 @@ def read_references(path: str | Path = FILE) -> References:
         No such file, one of another version, a key that is missing or unknown, or a value that is
         not allowed; the message names the cell.
     """
-    try:
-        found = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise ConfigError(f"{path}: no JSON: {error}") from None
-    if not isinstance(found, dict):
-        raise ConfigError(f"{path}: holds a {type(found).__name__}, allowed is an object")
-    for key in ("version", "seeds", "cells"):
-        if key not in found:
-            raise ConfigError(f"{path}: missing key {key!r}")
-    if found["version"] != VERSION:
-        raise ConfigError(f"{path}: version = {found['version']!r}: allowed is {VERSION!r}")
-    about = {k: v for k, v in found.items() if k not in ("version", "seeds", "cells")}
-    if not isinstance(found["cells"], dict):
-        raise ConfigError(f"{path}: cells: allowed is an object, scenario/ship to values")
-    cells = {name: _cell(name, values, str(path)) for name, values in found["cells"].items()}
-    return References(VERSION, _seeds(found["seeds"], str(path)), cells, about)
+    found = read_keys(path)
+    found.known("version", (VERSION,))
+    about = {k: v for k, v in found.values.items() if k not in ("version", "seeds", "cells")}
+    cells = {name: _cell(name, cell) for name, cell in found.table("cells").tables()}
+    return References(VERSION, _seeds(found), cells, about)
 
 
-def _seeds(given: Any, where: str) -> tuple[int, int]:
-    if not (isinstance(given, list) and len(given) == 2 and all(type(k) is int for k in given)):
-        raise ConfigError(f"{where}: seeds = {given!r}: allowed is [first, number]")
-    return given[0], int(check_number(f"{where}: number of seeds", given[1], 1, 10**6))
+def _seeds(found: Keys) -> tuple[int, int]:
+    given = found.items("seeds")
+    if not (len(given) == 2 and all(type(k) is int for k in given)):
+        raise ConfigError(f"{found.label('seeds')} = {shown(given)}: allowed is [first, number]")
+    first, number = found.numbers("seeds", 0, 2**32 - 1)
+    return int(first), int(check_number(f"{found.where}: number of seeds", number, 1, 10**6))
 
 
-def _cell(name: str, values: Any, where: str) -> Reference:
+def _cell(name: str, cell: Keys) -> Reference:
     """One cell of the file, strictly."""
-    where = f"{where}: cell {name!r}"
     scenario, slash, ship = name.partition("/")
     if not (scenario and slash and ship):
-        raise ConfigError(f"{where}: its name must be scenario/ship")
-    if not isinstance(values, dict):
-        raise ConfigError(f"{where}: allowed is an object with {', '.join(_KEYS)}")
-    for key in values:
-        check_known(f"key of {where}", key, (*_KEYS, *_MORE, *_BESIDE))
-    if missing := [key for key in _KEYS if key not in values]:
-        raise ConfigError(f"{where}: missing key {missing[0]!r}")
+        raise ConfigError(f"{cell.where}: cell {shown(name)}: its name must be scenario/ship")
+    for key in cell.values:
+        check_known(f"key of {cell.where}: cell {shown(name)}:", key, (*_KEYS, *_MORE, *_BESIDE))
     lower = [metric for metric, what in all_metrics().items() if what.better == "lower"]
-    check_known(f"measure of {where}", values["measure"], lower)
-    numbers = {k: _positive(f"{where}: {k}", values[k]) for k in ("nothing", "reference")}
-    optimum = values["optimum"]
-    if optimum is not None:
-        optimum = _positive(f"{where}: optimum", optimum)
-        check_known(f"optimum_kind of {where}", values["optimum_kind"], OPTIMA)
-    headroom = values.get("headroom")
-    if headroom is not None and set(headroom) != {"value", "low", "high"}:
-        raise ConfigError(f"{where}: headroom: allowed are value, low and high")
+    optimum = cell.number("optimum", _LEAST, _MOST, instead=None)
+    kind = None if optimum is None else cell.known("optimum_kind", OPTIMA)
+    headroom = cell.value("headroom", None)
     return Reference(
         scenario=scenario,
         ship=ship,
-        measure=values["measure"],
-        **numbers,
-        reference_controller=str(values["reference_controller"]),
+        measure=cell.known("measure", lower),
+        nothing=cell.number("nothing", _LEAST, _MOST),
+        reference=cell.number("reference", _LEAST, _MOST),
+        reference_controller=cell.text("reference_controller"),
         optimum=optimum,
-        optimum_kind=values["optimum_kind"],
-        optimum_seeds=values.get("optimum_seeds"),
-        headroom=None if headroom is None else Estimate(**headroom),
+        optimum_kind=kind,
+        optimum_seeds=cell.whole("optimum_seeds", 0, 10**6, None),
+        headroom=None if headroom is None else _estimate(cell.table("headroom")),
     )
 
 
-def _positive(what: str, value: Any) -> float:
-    if check_number(what, value, 0.0, 1e12) == 0.0:
-        raise ConfigError(f"{what} = 0: must be positive")
-    return float(value)
+def _estimate(given: Keys) -> Estimate:
+    """A value and its interval, which may be missing."""
+    names = [field.name for field in dataclasses.fields(Estimate)]
+    for key in given.values:
+        check_known(f"key of {given.where}: {given.name}", key, names)
+    ends = {key: given.number(key, instead=None) for key in ("low", "high")}
+    return Estimate(given.number("value"), **ends)
 
 
 def cell_score(values: Sequence[float] | np.ndarray, cell: Reference) -> Estimate | None:

@@ -37,6 +37,8 @@ _FIELDS = [
 SCRATCH = record_type(
     [(name, np.float64, shape) for name, shape in _FIELDS]
     + [("kind", np.int64, (LANES,)), ("steps", np.int64, (LANES,))]
+    # largest speed squared over ground and yaw rate before the last step
+    + [("most", np.float64, (2, LANES))]
 )
 
 LINE = 64  # bytes of a cache line; a vector that lies across two is read twice

@@ -77,6 +77,9 @@ class Fleet(NamedTuple):
         Own time of each ship [s].
     clock : ndarray (n, 2)
         Integration step [s] and number of steps of each interval.
+    limits, lost : ndarray (n, 2), ndarray (n,)
+        Speed through the water [m/s] and yaw rate [rad/s] beyond which nothing is a ship; written:
+        whether she was beyond them at any step of the interval, or is not finite.
     ships, seas : structured ndarray (n,)
         ``ships.records.SHIP_DTYPE``, ``sea.records.SEA_DTYPE``.
     forces, flow, met : ndarray (n, N_FORCES, 3), ndarray (n, 7 or 19), ndarray (n, 10)
@@ -95,6 +98,8 @@ class Fleet(NamedTuple):
     commands: np.ndarray
     time: np.ndarray
     clock: np.ndarray
+    limits: np.ndarray
+    lost: np.ndarray
     ships: np.ndarray
     seas: np.ndarray
     forces: np.ndarray
@@ -188,6 +193,7 @@ def board(x, lo, hi, first, fleet):
         x.command[0, i], x.command[1, i] = fleet.commands[ship, 0], fleet.commands[ship, 1]
         x.dt[i], x.steps[i] = fleet.clock[ship, 0], int(fleet.clock[ship, 1])
         x.kind[i] = fleet.ships[ship].kind
+        x.most[0, i], x.most[1, i] = 0.0, 0.0
         most = max(most, x.steps[i])
         if fleet.traits.each is not None or i == lo:
             fill_lane(x, i, fleet.ships[ship])
@@ -249,6 +255,15 @@ def move(x, lo, hi, step):
             x.delta[START, i], x.n[START, i] = x.delta[END, i], x.n[END, i]
 
 
+@kernel
+def watch(x, lo, hi):
+    """Keep the largest speed squared and yaw rate of every lane in the steps before its last."""
+    for i in range(lo, hi):
+        u, v, r = x.start[U, i], x.start[V, i], x.start[R, i]
+        x.most[0, i] = max(x.most[0, i], u * u + v * v)
+        x.most[1, i] = max(x.most[1, i], abs(r))
+
+
 @composed
 def look(x, lo, hi, first, step, fleet):
     """Current and what waves do to every lane that sails this step, at its end."""
@@ -260,9 +275,21 @@ def look(x, lo, hi, first, step, fleet):
             see(time, dt, body_of(x.start, i), sea, fleet.water, ship, x, met)
 
 
+@kernel
+def within(x, i, fastest, turn):
+    """Whether speed and yaw rate of a lane have been those of a ship in every step.
+
+    Speeds are over ground; the current's parts are added to what is allowed: that takes no root.
+    """
+    u, v, r = x.start[U, i], x.start[V, i], x.start[R, i]
+    fastest += abs(x.current[0, i]) + abs(x.current[1, i])
+    fast = max(x.most[0, i], u * u + v * v) <= fastest * fastest
+    return fast and max(x.most[1, i], abs(r)) <= turn
+
+
 @composed
 def land(x, lo, hi, first, fleet):
-    """Write the states back and let time go on; returns how many of the lanes' are finite."""
+    """Write the states back and let time go on; returns how many of the lanes are ships still."""
     alive = 0
     for i in range(lo, hi):
         ship, total = first + i, abs(x.delta[START, i]) + abs(x.n[START, i])
@@ -271,7 +298,9 @@ def land(x, lo, hi, first, fleet):
             total += abs(x.start[k, i])
         fleet.state[ship, DELTA], fleet.state[ship, N] = x.delta[START, i], x.n[START, i]
         fleet.time[ship] += x.dt[i] * x.steps[i]
-        alive += 1 if math.isfinite(total) else 0
+        good = math.isfinite(total) and within(x, i, fleet.limits[ship, 0], fleet.limits[ship, 1])
+        fleet.lost[ship] = not good
+        alive += 1 if good else 0
     return alive
 
 
@@ -300,7 +329,7 @@ def sail_block(x, lo, hi, first, fleet):
     Returns
     -------
     int
-        Number of ships whose new state is finite.
+        Number of ships that are ships still: finite and within their limits.
     """
     traits, most = fleet.traits, board(x, lo, hi, first, fleet)
     for step in range(most):
@@ -314,6 +343,8 @@ def sail_block(x, lo, hi, first, fleet):
                 if step == 0:
                     report(x, lo, hi, first, fleet)
         move(x, lo, hi, step)
+        if step + 1 < most:
+            watch(x, lo, hi)
         look(x, lo, hi, first, step, fleet)
     return land(x, lo, hi, first, fleet)
 
@@ -330,7 +361,7 @@ def thread_of(row, n, threads):
 def sail(first, last, fleet):
     """Advance the ships from `first` up to `last` by one control interval, in place.
 
-    Returns how many of them have a finite new state.
+    Returns how many of them are ships still.
     """
     x, alive = fleet.scratch[thread_of(first, fleet.state.shape[0], fleet.scratch.shape[0])], 0
     for begin in range(first, last, LANES):

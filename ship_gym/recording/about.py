@@ -31,6 +31,7 @@ def ship_meta(ship: Ship) -> dict[str, Any]:
         "m_u": ship.inertia.m_u,
         "efficiency": _efficiency(ship),
         "trained_box": _trained_box(ship),
+        "implausible": list(ship.implausible),
     }
 
 

@@ -19,9 +19,10 @@ from typing import IO
 
 import numpy as np
 
-from ship_gym.config import ConfigError
-from ship_gym.provenance import take_lock
-from ship_gym.recording.sealed import DamagedRecording
+from ship_gym.config import ConfigError, shown
+from ship_gym.locks import take_lock, unfit
+from ship_gym.reading import read_bytes
+from ship_gym.recording.sealed import MOST, DamagedRecording, damage_told
 
 SUFFIX = ".partial"
 _LINE = b"Ship Gym journal 1\n"
@@ -145,7 +146,7 @@ def read_journal(path: str | os.PathLike) -> tuple[dict[str, np.ndarray], dict[s
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"no recording {path}")
-    return parsed(path.read_bytes(), path)
+    return parsed(read_bytes(path, MOST), path)
 
 
 def parsed(data: bytes, path: str | os.PathLike) -> tuple[dict[str, np.ndarray], dict[str, object]]:
@@ -160,10 +161,25 @@ def parsed(data: bytes, path: str | os.PathLike) -> tuple[dict[str, np.ndarray],
         raise DamagedRecording(
             f"{path}: ends at byte {len(data)}, before its first whole chunk of rows"
         )
-    head = json.loads(payloads[0])
-    rows = np.frombuffer(b"".join(payloads[1:]), dtype="<f8").reshape(-1, len(head["columns"]))
+    names, meta = _head(payloads[0], path)
+    with damage_told(path):
+        rows = np.frombuffer(b"".join(payloads[1:]), dtype="<f8").reshape(-1, len(names))
     columns = rows.T.astype(np.float64, order="C")
-    return dict(zip(head["columns"], columns, strict=True)), head["meta"] | {"complete": False}
+    return dict(zip(names, columns, strict=True)), meta | {"complete": False}
+
+
+def _head(payload: bytes, path: str | os.PathLike) -> tuple[list[str], dict[str, object]]:
+    """Names of the columns, each once, and the meta."""
+    with damage_told(path):
+        head = json.loads(payload)
+        names, meta = head["columns"], head["meta"]
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise DamagedRecording(f"{path}: columns = {shown(names)}: allowed is a list of names")
+    if not names or len(set(names)) < len(names):
+        raise DamagedRecording(f"{path}: columns = {shown(names)}: each is allowed once, none not")
+    if not isinstance(meta, dict):
+        raise DamagedRecording(f"{path}: meta = {shown(meta)}: allowed is a mapping")
+    return names, meta
 
 
 def _block(data: bytes, at: int, before: bytes, path: str | os.PathLike):
@@ -189,6 +205,8 @@ def _chained(before: bytes, block: bytes) -> bytes:
 def _opened(path: Path) -> IO[bytes]:
     """The file, empty and locked."""
     path.parent.mkdir(parents=True, exist_ok=True)
+    if what := unfit(path):
+        raise ConfigError(f"{path}: {what}")
     while True:
         file = path.open("a+b", buffering=0)
         try:

@@ -10,14 +10,15 @@ difference is damage. It is no signature: who changes a file on purpose can seal
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import struct
 from collections.abc import Iterator
-from pathlib import Path
 from typing import NamedTuple
 
 from ship_gym.config import ConfigError
+from ship_gym.reading import read_bytes
 
 _MAGIC, _HEADER = b"RRF2", 12
 _KIND = struct.Struct("<QQ")  # kind and length of a message
@@ -27,11 +28,30 @@ _START = b"Ship Gym recording, format 2"
 _FIELD = bytes([0xCA, 0xA9, 0x07, 48])
 _SIZES = struct.Struct("<QQ")  # bytes of the file, and of the record it begins with
 _DIGEST = 32
+MOST = 1 << 34  # [bytes] of a file
 _SEAL = len(_FIELD) + _SIZES.size + _DIGEST
 
 
 class DamagedRecording(ConfigError):  # which every verb says in one line
     """A recording that is not as it was written; the message names the file and the byte."""
+
+
+@contextlib.contextmanager
+def damage_told(path: str | os.PathLike) -> Iterator[None]:
+    """Turn whatever the contents of a file raise in the block into one line.
+
+    The seal is no signature, so what lies behind it may be anything.
+    """
+    try:
+        yield
+    except (ConfigError, OSError, ImportError):
+        raise
+    except RecursionError:
+        raise DamagedRecording(f"{path}: not a recording, or damaged: nested too deep") from None
+    except Exception as error:
+        told = " ".join(str(error).split()) or type(error).__name__
+        told = f"no {told}" if isinstance(error, KeyError) else told
+        raise DamagedRecording(f"{path}: not a recording, or damaged: {told}") from error
 
 
 class Verified(NamedTuple):
@@ -97,10 +117,10 @@ def verify(path: str | os.PathLike) -> Verified:
     DamagedRecording
         A byte was changed or added, the file was cut before its first whole message, or it carries
         no seal.
-    OSError
-        If it cannot be read.
+    ConfigError
+        It cannot be read.
     """
-    return checked(Path(path).read_bytes(), path)
+    return checked(read_bytes(path, MOST), path)
 
 
 def checked(data: bytes, path: str | os.PathLike) -> Verified:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.provenance import atomic_path
+from ship_gym.recording.sealed import damage_told
 
 _NO_RERUN = 'recordings as .rrd need rerun: pip install "ship-gym[rerun]"'
 
@@ -156,7 +157,9 @@ class Trajectory:
         DamagedRecording
             A ValueError: the file is not as it was written, or is no recording of Ship Gym.
         """
-        return cls(*import_rerun_export().read_rrd(path, sealed=sealed))
+        export = import_rerun_export()
+        with damage_told(path):
+            return cls(*export.read_rrd(path, sealed=sealed))
 
     @classmethod
     def from_file(cls, path: str | os.PathLike) -> Trajectory:
@@ -173,7 +176,8 @@ class Trajectory:
         if name.endswith(".rrd.partial"):
             from ship_gym.recording.journal import read_journal
 
-            return cls(*read_journal(path))
+            with damage_told(path):
+                return cls(*read_journal(path))
         raise ValueError(f"{path}: a recording is a file *.rrd or *.rrd.partial")
 
 

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from ship_gym.captive import AXES, PARTS, Condition
-from ship_gym.config import ConfigError, check_number
+from ship_gym.config import ConfigError, check_number, shown
 from ship_gym.csv_file import read_csv
+from ship_gym.plain_csv import read_plain_csv
 from ship_gym.reading import read_text
 from ship_gym.ships.particulars import Ship
 
@@ -55,7 +56,7 @@ def read_measured(path: str | Path, ship: Ship) -> list[Measured]:
     """
     text = read_text(path)
     hmri = "captive tests in deep water at HMRI" in text.partition("\n")[0]
-    length, rows = _hmri(path, text, ship) if hmri else _own(path, ship)
+    length, rows = _hmri(path, ship) if hmri else _own(path, ship)
     root = math.sqrt(ship.hull.L / length)
     return [_measured(path, line, row, root) for line, row in rows]
 
@@ -79,7 +80,7 @@ def _own(path: str | Path, ship: Ship) -> tuple[float, list[tuple[int, dict[str,
         if name not in (*_NEEDED, *_MOTIONS, *FORCES):
             allowed = ", ".join((*_NEEDED, *_MOTIONS))
             raise ConfigError(
-                f"{path}: unknown column {name!r}; allowed are {allowed}, X, Y_out, ..."
+                f"{path}: unknown column {shown(name)}; allowed are {allowed}, X, Y_out, ..."
             )
     if not any(name in FORCES for name in given):
         raise ConfigError(f"{path}: no column of a force, as in 'Y [-]'")
@@ -90,7 +91,7 @@ def _own(path: str | Path, ship: Ship) -> tuple[float, list[tuple[int, dict[str,
     return length, _as_rows(data.rows, columns)
 
 
-def _hmri(path: str | Path, text: str, ship: Ship) -> tuple[float, list[tuple[int, dict]]]:
+def _hmri(path: str | Path, ship: Ship) -> tuple[float, list[tuple[int, dict]]]:
     """Length of the model and rows of a file of HMRI.
 
     There coefficients are by 1/2 rho L^2 U^2 and the rudder's positive angle turns to port. The
@@ -98,22 +99,13 @@ def _hmri(path: str | Path, text: str, ship: Ship) -> tuple[float, list[tuple[in
     The files do not say about which point the moment is; midship is taken, as static drift at 4 to
     9 deg fits best. Their model has k_zz 0.253 L, the ship file 0.25 L.
     """
-    lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line[:1] not in ("#", "")]
-    cells = [line.split(",") for _, line in lines]
-    if len(cells) < 2:
-        raise ConfigError(f"{path}: needs a row of column names and at least one of numbers")
-    titles = [_hmri_name(cell) for cell in cells[0]]
-    for (k, _), row in zip(lines, cells, strict=True):
-        if len(row) != len(titles):
-            raise ConfigError(f"{path}:{k}: {len(row)} cells, but {len(titles)} columns")
+    table = read_plain_csv(path)
+    columns = {_hmri_name(title): table.numbers(title) for title in table.columns}
+    if len(columns) != len(table.columns):
+        raise ConfigError(f"{path}: two columns have one meaning")
     for name in _NEEDED:
-        if name not in titles:
+        if name not in columns:
             raise ConfigError(f"{path}: no column {name!r}: no captive test")
-    try:
-        table = np.array(cells[1:], dtype=float)
-    except ValueError as error:
-        raise ConfigError(f"{path}: {error}") from None
-    columns = dict(zip(titles, table.T, strict=True))
     for name in columns:
         if name in FORCES:
             columns[name] = columns[name] * ship.hull.L / ship.hull.d
@@ -121,7 +113,7 @@ def _hmri(path: str | Path, text: str, ship: Ship) -> tuple[float, list[tuple[in
         if name in columns:
             columns[name] = np.radians(sign * columns[name]) + 0.0  # never -0
     kept = {name: v for name, v in columns.items() if not name.endswith("_mean")}
-    return _HMRI_LENGTH, _as_rows(np.array([k for k, _ in lines[1:]]), kept)
+    return _HMRI_LENGTH, _as_rows(np.array(table.lines), kept)
 
 
 def _hmri_name(title: str) -> str:

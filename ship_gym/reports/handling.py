@@ -189,6 +189,7 @@ def as_dict(case: Handling) -> dict[str, Any]:
         "units": {name: unit for name, (_, unit, _, _) in quantities.items()},
         "measures": {k: v if math.isfinite(v) else None for k, v in values.items()},
         "estimated": case.ship.estimated,
+        "implausible": list(case.ship.implausible),
     }
     if case.manoeuvre == "stopping":
         limit = imo_limits(case.ship, case.speed)["track_reach"]

@@ -6,7 +6,6 @@ The files are not part of the package. They are of full scale, `marin_free_turn_
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import math
 from pathlib import Path
@@ -14,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.reading import read_text
+from ship_gym.plain_csv import read_plain_csv
 from ship_gym.reports.case import Case
 from ship_gym.ships.particulars import Ship
 
@@ -101,17 +100,10 @@ def read_history(path: Path, ship: Ship) -> History:
     ConfigError
         A column is missing, a cell is no number, or the rudder does not move.
     """
-    lines = [line for line in read_text(path).splitlines() if line and line[0] != "#"]
-    rows = list(csv.DictReader(lines))
-    missing = [name for name in _COLUMNS if not rows or name not in rows[0]]
-    if missing:
-        raise ConfigError(f"{path}: no column {missing[0]!r}; needed are {', '.join(_COLUMNS)}")
-    try:
-        t, x, y, psi, u, v, delta = (
-            np.array([float(row[name]) for row in rows]) for name in _COLUMNS
-        )
-    except (TypeError, ValueError) as error:
-        raise ConfigError(f"{path}: {error}") from None
+    table = read_plain_csv(path)
+    t, x, y, psi, u, v, delta = (table.numbers(name) for name in _COLUMNS)
+    if late := [line for line, step in zip(table.lines[1:], np.diff(t), strict=True) if step <= 0]:
+        raise ConfigError(f"{path}:{late[0]}: {_COLUMNS[0]} does not rise")
     moved = np.flatnonzero(np.abs(delta - delta[0]) > _MOVED)
     if len(moved) == 0 or moved[0] + 1 == len(t):
         raise ConfigError(f"{path}: the rudder does not move")
@@ -120,7 +112,10 @@ def read_history(path: Path, ship: Ship) -> History:
     order = t[k] - (delta[k] - delta[0]) / rate
     x, y = x - np.interp(order, t, x), y - np.interp(order, t, y)
     L, after = ship.full_length, t >= order
-    speed = np.hypot(u, v) / np.hypot(u, v)[: max(k, 1)].mean()
+    speed = np.hypot(u, v)
+    if not (approach := speed[: max(k, 1)].mean()):
+        raise ConfigError(f"{path}: the ship lies still before the rudder moves")
+    speed /= approach
     found = History(t - order, x / L, y / L, np.radians(psi), -np.radians(delta), speed)
     return History(*(getattr(found, field.name)[after] for field in dataclasses.fields(found)))
 

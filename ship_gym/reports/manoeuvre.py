@@ -96,6 +96,7 @@ def as_dict(case: Case) -> dict[str, Any]:
         "trial_source": case.trial.source if case.trial else None,
         "facility": case.trial.facility if case.trial else None,
         "estimated": case.ship.estimated,
+        "implausible": list(case.ship.implausible),
     }
 
 
@@ -197,13 +198,14 @@ def _balance_table(case: Case) -> str:
 
 
 def estimates(ship: Ship) -> str:
-    """Which numbers of a ship no source prints, in short."""
-    if not ship.estimated:
-        return "every number of this ship is published"
-    return paragraph(
-        f"estimated for this ship: {', '.join(sorted(ship.estimated))} "
-        "(reasons: ship_gym.load_ship(...).describe())"
-    )
+    """Which numbers of a ship no source prints, in short, and which no ship has."""
+    text = "every number of this ship is published"
+    if ship.estimated:
+        text = paragraph(
+            f"estimated for this ship: {', '.join(sorted(ship.estimated))} "
+            "(reasons: ship_gym.load_ship(...).describe())"
+        )
+    return "\n".join([text, *(f"implausible: {line}" for line in ship.implausible)])
 
 
 def all_as_text(cases: list[Case], files: list[list[str]], ship: str) -> str:

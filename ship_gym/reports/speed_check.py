@@ -7,14 +7,13 @@ which part it was.
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError, check_number
+from ship_gym.keys import read_keys
 from ship_gym.reports.speed_child import measure
 from ship_gym.text import table
 
@@ -105,13 +104,8 @@ def load_baseline(path: str | os.PathLike) -> dict[str, float]:
     ConfigError
         No such file, or not one of ours.
     """
-    try:
-        found = json.loads(Path(path).read_text(encoding="utf-8"))["ratios"]
-        return {name: check_number(name, value, 1e-9, 1e9) for name, value in found.items()}
-    except OSError as error:
-        raise ConfigError(f"{path}: {error.strerror}") from None
-    except (json.JSONDecodeError, KeyError, TypeError, AttributeError):
-        raise ConfigError(f"{path}: must be a JSON file with ratios; write it anew") from None
+    ratios = read_keys(path).table("ratios")
+    return {name: ratios.number(name, 1e-9, 1e9) for name in ratios.values}
 
 
 def as_text(rows: list[dict[str, Any]], margin: float = MARGIN) -> str:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, build_part, check_number
 from ship_gym.conventions import G
 from ship_gym.provenance import sha256
 from ship_gym.reports.page import Grid, Picture, Section, Text
@@ -93,6 +94,49 @@ def sections(
         Section("Surge beside SNNM", [*_surge(table), *drawn("surge")]),
         Section("How sure each cell is", [_classes(table), *drawn("classes")]),
     ]
+
+
+@dataclasses.dataclass(frozen=True)
+class _Card:
+    """What `seakeeping.database.build` writes beside the numbers, and a report tells of."""
+
+    ship: str
+    title: str
+    mesh: tuple[str, ...]
+    panels: int
+    lid_panels: int
+    minutes: float
+    made_for: dict
+    body: dict[str, float]
+    calibration: dict[str, float]
+    checks: dict
+    uncertainty: dict[str, str]
+    capytaine: str
+    versions: dict[str, str]
+    git_commit: str
+
+
+def check_card(table: WaveTable, path: Path) -> None:
+    """Refuse a table whose card lacks what its report tells.
+
+    Raises
+    ------
+    ConfigError
+        A key that is missing or of another type.
+    """
+    card = build_part(_Card, table.card, f"{path}: card")
+    largest = card.checks.get("largest")
+    parts = {
+        "body": (card.body, _BODY),
+        "checks": (card.checks, ("energy", "fore_aft")),
+        "checks.largest": (largest if isinstance(largest, dict) else {}, BOUNDS),
+        "calibration": (card.calibration, card.calibration),
+    }
+    for part, (found, wanted) in parts.items():
+        for name in wanted:
+            check_number(f"{path}: card.{part}.{name}", found.get(name))
+    if not card.mesh:
+        raise ConfigError(f"{path}: card.mesh is empty: allowed is a line at least")
 
 
 def provenance(table: WaveTable, path: Path) -> Section:

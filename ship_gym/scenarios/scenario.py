@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 import functools
 import json
+import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
-from ship_gym.config import ConfigError, build, check_known, check_number, merged
+from ship_gym.config import ConfigError, build, check_known, check_number, merged, shown, told_of
 from ship_gym.reading import read_toml
 from ship_gym.scenarios.sea_range import SeaRange
 from ship_gym.scenarios.sections import Failure, Randomisation, Sensors
@@ -213,15 +214,17 @@ def load_scenario(
         source = (str(scenario), given)
     changes = _nested(overrides or {})
     values = merged(_without_other_task(given, changes), changes)
-    if "task" not in values:
-        raise ConfigError(f"{where}: missing key 'task'")
-    return _from(source, build(scenario_class(TASKS[values["task"]]), values, where))
+    with told_of(where):
+        if "task" not in values:
+            raise ConfigError("missing key 'task'")
+        return _from(source, build(scenario_class(TASKS[values["task"]]), values, where))
 
 
 def _source_of(scenario: str | Path | Mapping[str, Any]) -> tuple[str, Mapping[str, Any]] | None:
     """Name and values of the base of a mapping; None: it has none, or is no mapping."""
     if isinstance(scenario, Mapping) and "base" in scenario:
-        return str(scenario["base"]), _read(scenario["base"])[0]
+        given, _ = _read(scenario["base"])  # refuses what is no name
+        return str(scenario["base"]), given
     return None
 
 
@@ -253,6 +256,8 @@ def _read(scenario: str | Path | Mapping[str, Any], depth: int = 0) -> tuple[dic
     """Values of a scenario on top of those of its base, and where they come from."""
     if isinstance(scenario, Mapping):
         values, where = dict(scenario), "scenario"
+    elif not isinstance(scenario, str | os.PathLike):
+        raise ConfigError(f"scenario = {shown(scenario)}: must be a name, a file or a mapping")
     elif str(scenario).endswith(".toml"):
         values, where = _beside(Path(scenario), read_toml(scenario)), str(scenario)
     else:
@@ -261,8 +266,10 @@ def _read(scenario: str | Path | Mapping[str, Any], depth: int = 0) -> tuple[dic
     if "base" not in values:
         return values, where
     if depth > 5:
-        raise ConfigError(f"{where}: base = {values['base']!r}: more than five deep, or a circle")
-    base, _ = _read(values.pop("base"), depth + 1)
+        base = shown(values["base"])
+        raise ConfigError(f"{where}: base = {base}: more than five deep, or a circle")
+    with told_of(where):
+        base, _ = _read(values.pop("base"), depth + 1)
     return merged(_without_other_task(base, values), values), where
 
 
@@ -294,7 +301,7 @@ def _beside(path: Path, values: dict[str, Any]) -> dict[str, Any]:
     """Values with the files that they name as paths from the folder of the scenario file."""
     values = dict(values)
     for key in ("base", "ship"):
-        if str(values.get(key, "")).endswith(".toml"):
+        if isinstance(values.get(key), str) and values[key].endswith(".toml"):
             values[key] = str(path.parent / values[key])
     for task in TASKS.values():
         for name, section in task.sections.items():

@@ -20,15 +20,15 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known
+from ship_gym.config import ConfigError, check_known, check_number, shown
 from ship_gym.conventions import wrap_angle
 from ship_gym.provenance import atomic_path
+from ship_gym.reading import check_array, json_head, read_npz
 
 MODES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 SURGE_MODELS = ("bem", "snnm", "blend")
@@ -50,6 +50,38 @@ SNNM_SHORT = 0.4
 SNNM_SHORT_END = 0.5
 SNNM_FOLLOWING_DEG = 60.0
 BOUNDS = {"CX": 12.0, "CY": 1.5, "CN": 0.2}
+_FROUDE, _OMEGA = (0.0, 2.0), (1e-2, 1e2)  # of the axes
+_LARGEST = 100.0  # of a coefficient or a motion; those of the package stay below 13
+_MADE_FOR = ("L", "B", "d")  # lengths of the ship, where a card names them
+
+
+_KINDS = {"f": "float", "c": "complex", "u": "unsigned integer"}
+
+
+def _check_axis(name: str, points: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Refuse an axis that does not rise or leaves its range; all but speeds have equal steps."""
+    check_array(f"wave table: {name}", points, (None,), low, high)
+    steps = np.diff(points)
+    if not np.all(steps > 0.0):
+        raise ConfigError(f"wave table: {name} must rise from point to point")
+    if name != "froude" and (len(steps) < 1 or np.ptp(steps) > 1e-6 * steps[0]):
+        raise ConfigError(f"wave table: {name} needs two points or more, with equal steps")
+    if name == "heading" and not np.allclose(points[[0, -1]], [0.0, np.pi], rtol=0.0, atol=1e-6):
+        raise ConfigError(f"wave table: heading reaches {points[0]:g} to {points[-1]:g}: it must "
+            "reach from 0 to pi")  # fmt: skip
+    return points
+
+
+def _check_card(card: Any) -> None:
+    """Refuse a card whose particulars of the ship, if it has them, are no lengths."""
+    if not isinstance(card, dict):
+        raise ConfigError(f"wave table: card = {shown(card)}: allowed is a mapping")
+    made = card.get("made_for")
+    if made is None:  # a table that is made by hand may not say
+        return
+    for key in _MADE_FOR:
+        value = made.get(key) if isinstance(made, dict) else made
+        check_number(f"wave table: card.made_for.{key}", value, 1e-3, 1e4, "m")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,13 +115,26 @@ class WaveTable:
     card: dict[str, Any]
 
     def __post_init__(self):
-        shape = (len(self.froude), len(self.heading), len(self.omega))
-        for name in ("CX_bem", "CX_snnm", "CY", "CN", "motions", "uncertainty"):
-            values = getattr(self, name)
-            if values.shape[:3] != shape:
-                raise ConfigError(f"wave table: {name} has shape {values.shape}, axes say {shape}")
-            if not np.isfinite(values).all():
-                raise ConfigError(f"wave table: {name} has non-finite cells")
+        shape = tuple(
+            len(_check_axis(name, getattr(self, name), *limits))
+            for name, limits in (
+                ("froude", _FROUDE),
+                ("heading", (0.0, np.pi + 1e-6)),
+                ("omega", _OMEGA),
+            )
+        )
+        for name in ("CX_bem", "CX_snnm", "CY", "CN"):
+            self._check(name, shape, "f", -_LARGEST, _LARGEST)
+        self._check("motions", (*shape, len(MODES)), "c", 0.0, _LARGEST)
+        self._check("uncertainty", shape, "u", 0, max(UNCERTAINTY))
+        _check_card(self.card)
+
+    def _check(self, name: str, shape: tuple[int, ...], kind: str, low: float, high: float) -> None:
+        values = getattr(self, name)
+        if not isinstance(values, np.ndarray) or values.dtype.kind != kind:
+            of = getattr(values, "dtype", type(values).__name__)
+            raise ConfigError(f"wave table: {name} is of type {of}: allowed is {_KINDS[kind]}")
+        check_array(f"wave table: {name}", values, shape, low, high)
 
     def surge(self, model: str = "blend") -> np.ndarray:
         """CX by a surge model: "bem", "snnm" or the "blend" of `snnm_weight`, shape (f, h, w)."""
@@ -144,15 +189,15 @@ class WaveTable:
     @classmethod
     def load(cls, path: str | Path) -> WaveTable:
         """Read a table written by `save`; a missing or damaged file is a ConfigError."""
+        if not Path(path).exists():
+            raise ConfigError(f"{path}: no such wave table")
+        names = [f.name for f in dataclasses.fields(cls)]
+        found = read_npz(path, *names, what="a wave table")
+        arrays = {name: found[name] for name in names}
         try:
-            with np.load(path, allow_pickle=False) as data:
-                arrays = {f.name: data[f.name] for f in dataclasses.fields(cls)}
-            arrays["card"] = json.loads(arrays["card"].tobytes())
-        except FileNotFoundError:
-            raise ConfigError(f"{path}: no such wave table") from None
-        except (KeyError, OSError, ValueError, zipfile.BadZipFile) as error:
-            raise ConfigError(f"{path}: not a wave table: {error}") from None
-        return cls(**arrays)
+            return cls(**arrays | {"card": json_head(arrays["card"], path)})
+        except ConfigError as error:
+            raise ConfigError(f"{path}: {error}") from None
 
 
 def snnm_weight(froude: np.ndarray, heading: np.ndarray, omega: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import os
 import shutil
 import time
 from collections.abc import Callable, Iterable
@@ -20,7 +21,8 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.provenance import atomic_path, provenance
+from ship_gym.provenance import atomic_path, held, locked, provenance, sweep
+from ship_gym.reading import read_npy
 from ship_gym.sea.wave_table import BOUNDS, UNCERTAINTY, WaveTable
 from ship_gym.seakeeping import calibration
 from ship_gym.seakeeping.drift import drift, encounter_frequency
@@ -226,14 +228,28 @@ def _each(tasks: list[tuple], work: Path, name: str, jobs: int, progress) -> lis
     from joblib import Parallel, delayed, parallel_config
 
     paths = [work / f"{name}_{i:03d}.npy" for i in range(len(tasks))]
-    missing = [i for i, path in enumerate(paths) if not path.is_file()]
+    kept = [_kept(path) for path in paths]
+    missing = [i for i, found in enumerate(kept) if found is None]
     # one thread each: the processes share the cores, not the matrices
     with parallel_config("loky", inner_max_num_threads=1):
         run = Parallel(n_jobs=jobs, return_as="generator_unordered")
         done = run(delayed(_keep)(paths[i], *tasks[i]) for i in missing)
         for _ in progress(done, name, len(missing)):
             pass
-    return [np.load(path) for path in paths]
+    for i in missing:
+        kept[i] = read_npy(paths[i])
+    return kept
+
+
+def _kept(path: Path) -> np.ndarray | None:
+    """A result of an earlier, broken off build; None if there is none or it is damaged."""
+    if not path.is_file():
+        return None
+    try:
+        found = read_npy(path)
+    except ConfigError:
+        return None
+    return found if found.dtype.kind == "c" and np.isfinite(found).all() else None
 
 
 def _keep(path: Path, function: Callable[..., np.ndarray], *arguments) -> None:
@@ -396,13 +412,27 @@ def build(
     Raises
     ------
     ConfigError
-        As in `make_problem`, before any work starts.
+        As in `make_problem`, before any work starts; or another process builds this table.
     """
     started, ship = time.monotonic(), load_ship(ship)
     problem = make_problem(ship, mesh, grid)
-    snnm = snnm_hull(ship)
-    work = path.parent / work_name(problem)
-    cells = compute(problem, work, jobs, progress)
+    snnm = snnm_hull(ship)  # refuses before the work
+    work, doing = path.parent / work_name(problem), "builds this wave table"
+    with held(path, doing), locked(work / "lock", doing, path):
+        sweep(work)
+        cells = compute(problem, work, jobs, progress)
+        table = _tabulated(ship, snnm, mesh, problem, cells)
+        table.card["minutes"] = round((time.monotonic() - started) / 60.0, 2)
+        table.save(path)
+        shutil.rmtree(work, ignore_errors=os.name == "nt")  # which keeps the lock that is open
+    return table
+
+
+def _tabulated(
+    ship: Ship, snnm: Any, mesh: HullMesh, problem: Problem, cells: np.ndarray
+) -> WaveTable:
+    """The table of the cells of `compute`, with its card and checks."""
+    grid = problem.grid
     axes = np.array(grid.froude), grid.heading_points, grid.omega_points
     length = 2.0 * np.pi / grid.omega_points**2 * ship.hull.L
     resistance = [added_resistance(snnm, U, length, axes[1][:, None]) for U in grid.froude]
@@ -418,7 +448,6 @@ def build(
         "grid": dataclasses.asdict(grid) | {"froude": list(grid.froude)},
         "calibration": calibration.values(),
         "uncertainty": {str(key): text for key, text in UNCERTAINTY.items()},
-        "minutes": round((time.monotonic() - started) / 60.0, 2),
         "capytaine": metadata.version("capytaine"),
         **provenance(),
     }
@@ -430,8 +459,6 @@ def build(
         **values,
     )
     table.card["checks"] = checks(table, cells)
-    table.save(path)
-    shutil.rmtree(work)
     return table
 
 

@@ -7,10 +7,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, check_known
+from ship_gym.config import ConfigError, check_known, shown
 from ship_gym.reading import read_toml
 
 DATA = Path(__file__).parent / "data"
+LONGEST_CHAIN = 8  # of files that scale each other
 Named = str | os.PathLike  # a ship of the package by name, or a ship file by its path
 
 
@@ -22,7 +23,9 @@ def available_ships() -> list[str]:
 def text_of(name: Named) -> str:
     """Name or path of a ship as text."""
     if not isinstance(name, str | os.PathLike):
-        raise ConfigError(f"ship = {name!r}: must be a name, the path of a ship file or a Ship")
+        raise ConfigError(
+            f"ship = {shown(name)}: must be a name, the path of a ship file or a Ship"
+        )
     return os.fspath(name)
 
 
@@ -40,7 +43,9 @@ def file_of(name: Named) -> Path:
     if name.endswith(".toml"):
         return Path(name)
     if len(Path(name).parts) > 1:
-        raise ConfigError(f"ship = {name!r}: a ship file ends in .toml, as in 'mine/ship.toml'")
+        raise ConfigError(
+            f"ship = {shown(name)}: a ship file ends in .toml, as in 'mine/ship.toml'"
+        )
     return DATA / check_known("ship", name, available_ships()) / "ship.toml"
 
 
@@ -50,19 +55,28 @@ def base_of(data: Mapping[str, Any], path: Path) -> str | None:
     if base is None:
         return None
     if not isinstance(base, str):
-        raise ConfigError(f"{path}: scaled_from = {base!r}: must be a name or a ship file")
+        raise ConfigError(f"{path}: scaled_from = {shown(base)}: must be a name or a ship file")
     if not base.endswith(".toml"):
         return base
     return str(path.parent / base)
 
 
-def check_chain(path: Path) -> None:
-    """Refuse files that scale each other in a circle."""
-    seen: list[Path] = []
-    while path is not None:
+def chain_of(path: Path) -> list[tuple[Path, dict[str, Any]]]:
+    """A ship file, the one that it scales, the one that that scales, and so on, with its values.
+
+    Raises
+    ------
+    ConfigError
+        The files scale each other in a circle, or there are more than `LONGEST_CHAIN`.
+    """
+    first, chain, seen = path, [(path, read_toml(path))], [path.resolve()]
+    while base := base_of(chain[-1][1], chain[-1][0]):
+        path = file_of(base)
         if path.resolve() in seen:
-            circle = " -> ".join(str(one) for one in (*seen, path.resolve()))
-            raise ConfigError(f"{seen[0]}: scaled_from goes in a circle: {circle}")
+            circle = " -> ".join(one.name for one in (*seen, path.resolve()))
+            raise ConfigError(f"{first}: scaled_from goes in a circle: {circle}")
+        if len(chain) == LONGEST_CHAIN:
+            raise ConfigError(f"{first}: scaled_from: more than {LONGEST_CHAIN} files in a row")
+        chain.append((path, read_toml(path)))
         seen.append(path.resolve())
-        base = base_of(read_toml(path), path)
-        path = None if base is None else file_of(base)
+    return chain

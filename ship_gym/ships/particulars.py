@@ -11,9 +11,7 @@ import dataclasses
 import math
 from typing import Any
 
-import numpy as np
-
-from ship_gym.config import ConfigError, check_number
+from ship_gym.conventions import G
 from ship_gym.ships.trials import Trial
 from ship_gym.tables import Table
 
@@ -223,14 +221,6 @@ class WindAreas:
     perimeter: float = quantity("m", "outline of the lateral area, no waterline, no masts", 0.0)
     masts: float = quantity("-", "distinct groups of masts seen from the side", 0.0)
 
-    def __post_init__(self):
-        for name in ("L_oa", "A_F", "A_L", "s_H"):
-            if not getattr(self, name) > 0.0:
-                raise ConfigError(f"wind.{name} = {getattr(self, name)}: must be > 0")
-        for name in ("A_SS", "perimeter", "masts"):
-            check_number(f"wind.{name}", getattr(self, name), 0.0)
-        check_number("wind.s_L", self.s_L, -0.5 * self.L_oa, 0.5 * self.L_oa, "m")
-
 
 @dataclasses.dataclass(frozen=True)
 class PropulsionPoint:
@@ -276,6 +266,10 @@ class Ship:
         "section.field" to the source of its number.
     estimated : dict
         "section.field" to the reason, for every number that no source prints for this ship.
+    strict : bool
+        False: numbers outside the ranges of ``plausible`` are a warning, not an error.
+    implausible : tuple of str
+        A line for each such number; empty if the ship is strict.
     """
 
     name: str
@@ -303,6 +297,8 @@ class Ship:
     share: float = 1.0
     sources: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
     estimated: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)
+    strict: bool = True
+    implausible: tuple[str, ...] = ()
 
     @property
     def mass(self) -> float:
@@ -359,85 +355,9 @@ class Ship:
         ]
         lines += [f"  {line}" for line in powering_text(self)]
         lines += [f"  estimated {name}: {why}" for name, why in self.estimated.items()]
+        lines += [f"  implausible {line}" for line in self.implausible]
         return "\n".join(lines)
 
     def froude(self, speed: float) -> float:
         """Froude number of a speed [m/s]."""
-        return speed / math.sqrt(9.80665 * self.hull.L)
-
-
-def check_sections(ship: Ship) -> None:
-    """Refuse numbers that no ship has; the message names field, value and what is allowed."""
-    positive = {
-        "hull": ("L", "B", "d", "volume", "k_zz", "S"),
-        "propeller": ("D",),
-        "rudder": ("A_R", "f_alpha", "eta"),
-        "gear": ("delta_max", "rate"),
-        "engine": ("n_max", "rate", "torque_max"),
-    }
-    _check_engine_and_rudder(ship)
-    for section, names in positive.items():
-        for name in names:
-            value = getattr(getattr(ship, section), name)
-            if not value > 0.0:
-                raise ConfigError(f"{ship.name}: {section}.{name} = {value}: must be > 0")
-    block = ship.hull.volume / (ship.hull.L * ship.hull.B * ship.hull.d)
-    if not 0.2 < block < 1.0:
-        raise ConfigError(f"{ship.name}: block coefficient {block:.3f}: allowed is 0.2 to 1")
-    if ship.form is not None:
-        _check_form(ship)
-    if ship.gear.delta_max > math.pi / 2:
-        raise ConfigError(f"{ship.name}: gear.delta_max = {ship.gear.delta_max} rad: at most pi/2")
-    inertia = ship.inertia
-    if inertia.m_v * inertia.I_r <= inertia.m_xG**2 or not np.isfinite(inertia.I_r):
-        raise ConfigError(f"{ship.name}: the mass matrix is not positive definite")
-
-
-def _check_engine_and_rudder(ship: Ship) -> None:
-    """Refuse an engine or a rudder law out of range."""
-    for name in ("n_astern", "reversal_time", "torque_brake", "shaft_inertia"):
-        check_number(f"{ship.name}: engine.{name}", getattr(ship.engine, name), 0.0)
-    check_number(f"{ship.name}: engine.n_astern", ship.engine.n_astern, 0.0, ship.engine.n_max)
-    check_number(f"{ship.name}: rudder.gamma_R_over", ship.rudder.gamma_R_over, 0.0, math.pi)
-    if ship.propellers == 2 and ship.rudder.neutral != 0.0:
-        raise ConfigError(
-            f"{ship.name}: rudder.neutral = {ship.rudder.neutral:g} rad: allowed is 0 with two "
-            "propellers, whose swirls mirror each other"
-        )
-
-
-def _check_form(ship: Ship) -> None:
-    """Refuse lengths and coefficients that no hull form has, before one is drawn."""
-    L, B = ship.hull.L, ship.hull.B
-    lengths = {"KG": (0.0, B), "GM": (0.0, B), "k_xx": (0.1 * B, B), "k_yy": (0.1 * L, 0.5 * L)}
-    lengths |= {"L_E": (0.05 * L, L), "L_R": (0.05 * L, L), "parallel": (0.0, 0.45 * L)}
-    lengths |= {"x_B": (-0.15 * L, 0.15 * L), "x_F": (-0.15 * L, 0.15 * L)}
-    lengths |= {"x_keel": (-0.5 * L, 0.0), "trim": (-ship.hull.d, ship.hull.d)}
-    lengths |= {"l_bulb": (0.0, 0.1 * L)}
-    for name, (low, high) in lengths.items():
-        check_number(f"{ship.name}: form.{name}", getattr(ship.form, name), low, high, "m")
-    shares = {
-        "C_m": (0.4, 1.0),
-        "C_wp": (0.4, 1.0),
-        "b_transom": (0.0, 1.0),
-        "a_transom": (0.0, 1.0),
-        "a_bulb": (0.0, 0.3),
-        "b_bulb": (0.0, 1.0),
-        "z_bulb": (0.0, 1.0),
-        "z_nose": (0.0, 1.0),
-    }
-    shares |= {
-        f"q_{curve}_{end}": (0.3, 4.0) for curve in ("wl", "area") for end in ("aft", "fore")
-    }
-    for name, (low, high) in shares.items():
-        check_number(f"{ship.name}: form.{name}", getattr(ship.form, name), low, high)
-    if (ship.form.b_transom > 0.0) != (ship.form.a_transom > 0.0):
-        raise ConfigError(
-            f"{ship.name}: form.b_transom = {ship.form.b_transom}, form.a_transom = "
-            f"{ship.form.a_transom}: a transom needs both, a pointed stern neither"
-        )
-    if len({x > 0.0 for x in (ship.form.l_bulb, ship.form.a_bulb, ship.form.b_bulb)}) > 1:
-        raise ConfigError(
-            f"{ship.name}: form.l_bulb = {ship.form.l_bulb}, form.a_bulb = {ship.form.a_bulb}, "
-            f"form.b_bulb = {ship.form.b_bulb}: a bulb needs all three, a ship without one none"
-        )
+        return speed / math.sqrt(G * self.hull.L)

@@ -1,82 +1,149 @@
-"""Numbers of a ship file: strict, in SI, with where each comes from."""
+"""Numbers of a ship file: strict, in SI, with where each comes from; all findings at once."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import UNITS, ConfigError, check_number, nearest
+from ship_gym.config import UNITS, ConfigError, Findings, check_number, nearest, shown, unknown_keys
 
 _TEXTS = ("source", "variant", "type")
 _NUMBER_KEYS = ("value", "unit", "source", "estimated")
 
 
 class Reader:
-    """Reads numbers of one file and collects where each comes from."""
+    """Reads numbers of one file and collects where each comes from and what is wrong.
 
-    def __init__(self, path: Path, source: str):
-        self.path, self.source = path, source
+    What cannot be read is None, with a line in `findings`.
+
+    Attributes
+    ----------
+    path : pathlib.Path
+    label : str
+        The file as messages name it.
+    source : str
+        Of numbers that name none.
+    length : float or None
+        Length of the ship [m], for numbers in the unit ``L``; None: not known.
+    """
+
+    def __init__(self, path: Path, label: str = ""):
+        self.path, self.label = path, label or str(path)
+        self.source, self.length = "", None
+        self.findings = Findings()
         self.sources: dict[str, str] = {}
         self.estimated: dict[str, str] = {}
 
-    def section(self, name: str, cls: type, values: Mapping[str, Any], length: float) -> Any:
-        """A dataclass of particulars; every field without a default must be there."""
-        self._check_keys(name, cls, values)
-        source = values.get("source", self.source)
-        made = {}
+    def kept(self):
+        """Context that keeps what a ``ConfigError`` says, with the file's name."""
+        return self.findings.kept(f"{self.label}:")
+
+    def add(self, text: str) -> None:
+        """Keep a finding, with the file's name."""
+        self.findings.add(f"{self.label}: {text}")
+
+    def known(self, values: Mapping[str, Any], allowed: Collection[str], section: str = "") -> None:
+        """Find the keys of `values` that are not `allowed`."""
+        prefix = section and f"{section}."
+        for key in unknown_keys(values, allowed):
+            self.add(f"unknown key {prefix}{shown(key)};{nearest(key, allowed)}")
+
+    def text(self, where: str, value: Any) -> str | None:
+        """A text."""
+        if isinstance(value, str):
+            return value
+        self.add(f"{where} = {shown(value)}: must be a text")
+        return None
+
+    def switch(self, where: str, value: Any) -> bool | None:
+        """True or false."""
+        if isinstance(value, bool):
+            return value
+        self.add(f"{where} = {shown(value)}: allowed is true or false")
+        return None
+
+    def table(self, where: str, value: Any) -> Mapping[str, Any] | None:
+        """A table of keys."""
+        if isinstance(value, Mapping):
+            return value
+        self.add(f"{where} = {shown(value)}: must be a table of keys")
+        return None
+
+    def tables(self, where: str, value: Any) -> list[tuple[str, Mapping[str, Any]]]:
+        """Tables of a list of tables, those of them that are, each with its name."""
+        if not isinstance(value, list):
+            self.add(f"{where} = {shown(value)}: must be a list of tables, [[{where}]]")
+            return []
+        named = [(f"{where}[{k}]", entry) for k, entry in enumerate(value)]
+        return [(name, entry) for name, entry in named if self.table(name, entry) is not None]
+
+    def section(
+        self, name: str, cls: type, values: Mapping[str, Any], partial: bool = False
+    ) -> Any:
+        """A dataclass of particulars; unless `partial`, each field without a default is needed."""
+        made = self._numbers(name, cls, values)
         for field in dataclasses.fields(cls):
-            if field.name in values:
-                unit = field.metadata["unit"]
-                where = f"{name}.{field.name}"
-                made[field.name] = self.number(where, unit, values[field.name], length, source)
-            elif field.default is dataclasses.MISSING:
-                hint = "; hull.estimate = true fills it up" if name == "hull" else ""
-                raise ConfigError(f"{self.path}: missing key {name}.{field.name!r}{hint}")
+            if field.name not in made and field.default is dataclasses.MISSING:
+                if not partial:
+                    hint = "; hull.estimate = true fills it up" if name == "hull" else ""
+                    self.add(f"missing key {name}.{field.name!r}{hint}")
+                made[field.name] = None
         return cls(**made)
 
-    def replaced(self, name: str, section: Any, values: Mapping[str, Any], length: float) -> Any:
+    def replaced(self, name: str, section: Any, values: Mapping[str, Any]) -> Any:
         """An existing section with some numbers replaced."""
-        self._check_keys(name, type(section), values)
-        units = {f.name: f.metadata["unit"] for f in dataclasses.fields(section)}
-        changes = {
-            key: self.number(
-                f"{name}.{key}", units[key], value, length, values.get("source", self.source)
-            )
+        return dataclasses.replace(section, **self._numbers(name, type(section), values))
+
+    def _numbers(self, name: str, cls: type, values: Mapping[str, Any]) -> dict[str, float | None]:
+        units = {field.name: field.metadata["unit"] for field in dataclasses.fields(cls)}
+        self.known(values, (*units, *_TEXTS), name)
+        for key in _TEXTS:
+            if key in values:
+                self.text(f"{name}.{key}", values[key])
+        source = values.get("source", self.source)
+        return {
+            key: self.number(f"{name}.{key}", units[key], value, source)
             for key, value in values.items()
             if key in units
         }
-        return dataclasses.replace(section, **changes)
 
-    def _check_keys(self, name: str, cls: type, values: Mapping[str, Any]) -> None:
-        known = {field.name for field in dataclasses.fields(cls)}
-        for key in values:
-            if key not in known and key not in _TEXTS:
-                raise ConfigError(f"{self.path}: unknown key {name}.{key!r};{nearest(key, known)}")
-
-    def number(self, where: str, unit: str, entry: Any, length: float, source: str) -> float:
+    def number(self, where: str, unit: str, entry: Any, source: str | None = None) -> float | None:
         """One number in SI. A plain number is dimensionless; others are {value, unit, ...}."""
-        label = f"{self.path}: {where}"
         if entry is None:
-            raise ConfigError(f"{label}: missing")
+            self.add(f"missing key {where!r}")
+            return None
         if not isinstance(entry, Mapping):
             entry = {"value": entry, "unit": "-"}
-        for key in entry:
-            if key not in _NUMBER_KEYS:
-                raise ConfigError(f"{label}: unknown key {key!r};{nearest(key, _NUMBER_KEYS)}")
-        value, given = entry.get("value"), entry.get("unit", "-")
-        value = check_number(label, value)
-        units = {**UNITS, "L": (length, "m")}
+        self.known(entry, _NUMBER_KEYS, where)
+        texts = {k: self.text(f"{where}.{k}", entry[k]) for k in _NUMBER_KEYS[1:] if k in entry}
+        result = None
+        with self.kept():
+            result = self._si(where, unit, entry.get("value"), texts.get("unit", "-"))
+        self.sources[where] = texts.get("source", self.source if source is None else source)
+        if "estimated" in entry:
+            self.estimated[where] = texts["estimated"]
+            self.sources[where] = texts.get("source", "estimated")
+        return result
+
+    def _si(self, where: str, unit: str, value: Any, given: str | None) -> float | None:
+        """A value in its unit, in SI; None where the unit could not be read."""
+        value = check_number(where, value)
+        units = {**UNITS, "L": (self.length, "m")}
+        if given is None:
+            return None
         if given not in units or units[given][1] != unit:
             allowed = [name for name, (_, si) in units.items() if si == unit]
-            raise ConfigError(f"{label}: unit {given!r} given, allowed is {' or '.join(allowed)}")
+            raise ConfigError(
+                f"{where}: unit {shown(given)} given, allowed is {' or '.join(allowed)}"
+            )
+        if units[given][0] is None:  # the ship's length could not be read
+            if where in ("hull.L", "length"):
+                raise ConfigError(f"{where}: unit 'L' given, which is the length itself")
+            return None
         result = value * units[given][0]
         if unit == "rad" and abs(result) > 2.0 * math.pi:
-            raise ConfigError(f"{label} = {value} {given}: looks like degrees, give unit = 'deg'")
-        self.sources[where] = entry.get("source", source)
-        if "estimated" in entry:
-            self.estimated[where] = str(entry["estimated"])
-            self.sources[where] = entry.get("source", "estimated")
+            raise ConfigError(f"{where} = {value} {given}: looks like degrees, give unit = 'deg'")
         return result

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from typing import Any
 
-from ship_gym.config import ConfigError, check_number
+from ship_gym.config import ConfigError, check_known, check_number, shown
+from ship_gym.ships.ranges import TRIAL
 
+KINDS = ("turning_circle", "zigzag")
+_LARGEST = 1000.0  # of a measure in L, deg, s or a ratio
 # measures in N or N m -> power of the length ratio by Froude's law; the others are in L, deg, s or
 # ratios, and a model keeps those when it becomes a ship
 _POWERS = {
@@ -79,30 +83,46 @@ class Trial:
     others: dict[str, dict] = dataclasses.field(default_factory=dict, hash=False)
 
     def __post_init__(self):
-        check_number("trial.wave_height", self.wave_height, 0.0, 40.0, "m")
-        check_number("trial.wavelength", self.wavelength, 0.0, 20.0, "L")
-        check_number("trial.wave_from_deg", self.wave_from_deg, -360.0, 360.0, "deg")
-        check_number("trial.facilities", self.facilities, 1, 1000)
+        check_known("manoeuvre of a trial", self.manoeuvre, KINDS)
+        for name, allowed in TRIAL.items():
+            value = getattr(self, name)
+            if not allowed.by and value is not None:  # the others are by the ship
+                check_number(f"trial.{name}", value, allowed.low, allowed.high)
+        for name in ("wave_height", "speed"):
+            check_number(f"trial.{name}", getattr(self, name), 0.0, unit="m or m/s")
         if (self.wave_height > 0.0) != (self.wavelength > 0.0):
             raise ConfigError(
                 f"trial.wave_height = {self.wave_height} m, trial.wavelength = {self.wavelength} "
                 "L: a wave needs both, calm water neither"
             )
+        _check_measures("trial.measures", self.measures)
+        for who, measures in self.others.items():
+            _check_measures(f"trial.others.{shown(who)}", measures)
         for name, value in self.deviation.items():
             check_number(f"trial.deviation.{name}", value, 0.0, 1.0)
             if name not in self.measures:
                 raise ConfigError(f"trial.deviation.{name} = {value}: trial.measures has no {name}")
-        if self.length is not None:
-            check_number("trial.length", self.length, 0.1, 1000.0, "m")
-        if self.movable_factor is not None:
-            check_number("trial.movable_factor", self.movable_factor, 0.1, 2.0)
-        elif "movable_rudder_force" in self.measures:
+        if self.movable_factor is None and "movable_rudder_force" in self.measures:
             raise ConfigError("trial.movable_factor: missing, needed for movable_rudder_force")
 
     @property
     def waves(self) -> bool:
         """Whether it was measured in waves."""
         return self.wave_height > 0.0
+
+
+def _check_measures(where: str, measures: Any) -> None:
+    """Refuse measures that are no numbers, or a list of them where one is a list."""
+    if not isinstance(measures, Mapping):
+        raise ConfigError(f"{where} = {shown(measures)}: must be a table of numbers")
+    for name, value in measures.items():
+        many = isinstance(value, list | tuple)
+        if many != (name == "overshoots_deg"):
+            kind = "a number" if many else "a list of numbers"
+            raise ConfigError(f"{where}.{shown(name)} = {shown(value)}: must be {kind}")
+        high = math.inf if name in _POWERS else _LARGEST
+        for number in value if many else [value]:
+            check_number(f"{where}.{name}", number, -high, high)
 
 
 def scaled_trial(trial: Trial, ratio: float, density_ratio: float = 1.0, model: str = "") -> Trial:

@@ -10,7 +10,7 @@ import importlib
 import pkgutil
 from collections.abc import Iterator, Mapping
 
-from ship_gym.config import ConfigError, nearest
+from ship_gym.config import ConfigError, nearest, shown
 from ship_gym.tasks.base import Row, Task, class_name
 
 
@@ -32,9 +32,9 @@ class _Tasks(Mapping):
         return _all_tasks, ()
 
     def __getitem__(self, name: str) -> Task:
-        if name not in self._known:
+        if name not in self:
             raise ConfigError(
-                f"unknown task {name!r};{nearest(str(name), self._known)}. A task of one's own is "
+                f"unknown task {shown(name)};{nearest(name, self._known)}. A task of one's own is "
                 "known once its file is named: --task FILE.py, ship_gym.load_task('FILE.py')"
             )
         found = self._known[name]
@@ -43,7 +43,7 @@ class _Tasks(Mapping):
         return found
 
     def __contains__(self, name: object) -> bool:
-        return name in self._known
+        return isinstance(name, str) and name in self._known  # a list has no hash
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._known)

@@ -6,12 +6,11 @@ Kernels of one ship; the loop over ships that calls them is ``envs.interval``.
 from __future__ import annotations
 
 import functools
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from ship_gym.conventions import DELTA, FLOW_TORQUE, N, R, U, V
+from ship_gym.conventions import DELTA, FLOW_TORQUE, N
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.angles import cos_sin
 from ship_gym.physics.propeller import shaft_power
@@ -64,10 +63,6 @@ _LOW = tuple(-1.0 if row.name in ASTERN_ROWS else row.low for row in OBSERVATION
 _HIGH = tuple(row.high for row in OBSERVATIONS)
 
 SATURATED = 0.999  # share of the largest rudder angle that counts as hard over
-# Beyond these, the bounds of the observation at the nominal speed of the ship herself, a state is
-# none of a ship: speed over U0, r L / U0. Full ahead the ships of the package reach 1.95 U0, hard
-# over 0.75.
-FASTEST, FASTEST_TURN = 3.0, 5.0
 
 # What the record of every episode holds; a task adds its own fields and the weights of its terms.
 _COMMON_FIELDS = (
@@ -246,27 +241,6 @@ def settle(result, terms, error, own, paid, outcome, task):
 
 
 @kernel
-def is_ship(u, v, r, sea, task):
-    """Whether velocities over ground are those of a ship, see `FASTEST`.
-
-    The current's speed is added to what is allowed: that takes no cosine. Not so if one is nan.
-    """
-    current = math.sqrt(sea.V_north * sea.V_north + sea.V_east * sea.V_east)
-    own = task.file_speed
-    fastest = FASTEST * own + current
-    return u * u + v * v <= fastest * fastest and abs(r) * task.L <= FASTEST_TURN * own
-
-
-@kernel
-def whole(state, sea, task):
-    """Whether a state is finite and one of a ship (`is_ship`)."""
-    total = 0.0
-    for k in range(len(state)):
-        total += state[k]
-    return is_ship(state[U], state[V], state[R], sea, task) and math.isfinite(total)
-
-
-@kernel
 def account(state, before, flow, ship, task, good, failure, success, result):
     """Write what an interval has cost one ship into its result.
 
@@ -280,7 +254,7 @@ def account(state, before, flow, ship, task, good, failure, success, result):
         At the start, ``conventions.FLOW_OF_UNITS``.
     ship, task : record
     good : bool
-        Whether the ship is one still, see `whole`.
+        Whether the ship is one still, and what she has earned a number.
     failure, success : bool
         Whether the episode ends by a failure, and as it should.
     result : record

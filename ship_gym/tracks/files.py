@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known
+from ship_gym.config import ConfigError, check_known, check_number, shown, told_of
 from ship_gym.provenance import atomic_path
-from ship_gym.reading import read_text
+from ship_gym.reading import read_json
 from ship_gym.tracks.track import Track, checked_origin, proj_definition
 
 LARGEST_COUNT = 500  # way-points
@@ -61,11 +61,8 @@ def load_track(source: Track | str | os.PathLike | Sequence | np.ndarray) -> Tra
         _check_count(len(source) if isinstance(source, Sequence | np.ndarray) else 0)
         return _near(Track(source))
     path = _known_suffix(source)
-    text = read_text(path)
-    try:
-        return _near(_track_of(_parsed(text)))
-    except ConfigError as error:
-        raise ConfigError(f"{path}: {error}") from None
+    with told_of(path):
+        return _near(_track_of(_checked(read_json(path))))
 
 
 def save_track(
@@ -133,12 +130,8 @@ def _known_suffix(path: str | os.PathLike) -> Path:
     return path
 
 
-def _parsed(text: str) -> dict[str, Any]:
+def _checked(data: Any) -> dict[str, Any]:
     """Top-level object of a JSON file."""
-    try:
-        data = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise ConfigError(f"not a readable JSON file: {error}") from None
     if not isinstance(data, dict) or "type" not in data:
         raise ConfigError('not GeoJSON: no object with a "type"')
     return data
@@ -180,7 +173,7 @@ def _member(feature: dict[str, Any], name: str) -> dict[str, Any]:
 
 def _positions(geometries: list[dict[str, Any]]) -> list[Any]:
     """Positions of the one line or of all points, in the order of the file."""
-    kinds = [str(geometry.get("type")) for geometry in geometries]
+    kinds = [shown(geometry.get("type")).strip("'") for geometry in geometries]
     if kinds == ["LineString"]:
         found = geometries[0].get("coordinates")
         if not isinstance(found, list) or not found:
@@ -197,19 +190,15 @@ def _pair(i: int, position: Any) -> tuple[float, float]:
     """First two numbers of a position."""
     good = isinstance(position, list) and len(position) >= 2
     if not good or any(isinstance(v, bool) or not isinstance(v, int | float) for v in position):
-        raise ConfigError(f"way-point {i} = {position!r}: must be a list of two numbers")
-    try:
-        return float(position[0]), float(position[1])
-    except OverflowError:  # JSON has integers of any size
-        raise ConfigError(f"way-point {i}: a number is too large") from None
+        raise ConfigError(f"way-point {i} = {shown(position)}: must be a list of two numbers")
+    x, y = (check_number(f"way-point {i}", v, unit="deg or m") for v in position[:2])
+    return x, y
 
 
 def _units(data: dict[str, Any], features: list[dict[str, Any]]) -> str:
     """``"m"`` or ``"deg"``, as declared; degrees if nothing is."""
     places = [data, *(_member(feature, "properties") for feature in features)]
-    found = {str(place["units"]) for place in places if "units" in place}
-    for unit in sorted(found):
-        check_known("units", unit, _UNITS)
+    found = {check_known("units", place["units"], _UNITS) for place in places if "units" in place}
     if len(found) > 1:
         raise ConfigError(f"declares different units: {', '.join(sorted(found))}")
     return found.pop() if found else "deg"

@@ -7,9 +7,9 @@ import pytest
 from ship_gym.conventions import U
 from ship_gym.evaluation import metrics, rollout
 from ship_gym.evaluation.controller import ConstantController
+from ship_gym.simulation import FASTEST
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.base import DIVERGED
-from ship_gym.tasks.bridge import FASTEST
 
 HEADING = "ShipGym/HeadingKeeping-v0"
 # ten standard deviations of the surrogate: some of these ships are none

@@ -12,8 +12,9 @@ from ship_gym import ShipVectorEnv
 from ship_gym.conventions import DELTA, PSI, N, U, X, Y
 from ship_gym.envs import interval
 from ship_gym.envs.interval import BAD_ACTION, BAD_OUTCOME, Loops
+from ship_gym.simulation import FASTEST
 from ship_gym.tasks.base import DIVERGED, RUNNING
-from ship_gym.tasks.bridge import FASTEST, N_BRIDGE
+from ship_gym.tasks.bridge import N_BRIDGE
 
 CALM = {"sea.states": [], "sea.gusts": False, "sea.current_speed": 0.0, "sensors.noise": False}
 FAILURE = {

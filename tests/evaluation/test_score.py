@@ -129,11 +129,11 @@ def test_reference_values_are_read(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"version": "ShipBench-2"}, "version = 'ShipBench-2': allowed is 'ShipBench-1'"),
-        ({"seeds": 64}, r"seeds = 64: allowed is \[first, number\]"),
-        ({"cells": []}, "cells: allowed is an object"),
+        ({"version": "ShipBench-2"}, "version = 'ShipBench-2':.*Known: ShipBench-1"),
+        ({"seeds": [64]}, r"seeds = \[64\]: allowed is \[first, number\]"),
+        ({"cells": []}, "cells = .*: must be a table of keys"),
         ({"cells": {"kcs": CELL}}, "cell 'kcs': its name must be scenario/ship"),
-        ({"cells": {"a/kcs": 1.0}}, "cell 'a/kcs': allowed is an object with measure"),
+        ({"cells": {"a/kcs": 1.0}}, "cells.a/kcs = 1.0: must be a table of keys"),
     ],
 )
 def test_a_wrong_file_is_refused(tmp_path, change, message):
@@ -144,13 +144,13 @@ def test_a_wrong_file_is_refused(tmp_path, change, message):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"nothing": 0.0}, "nothing = 0: must be positive"),
-        ({"reference": None}, "reference = None: must be a number"),
+        ({"nothing": 0.0}, "nothing = 0.0: allowed is 1e-12 to 1e\\+12"),
+        ({"reference": None}, "reference = null: must have a value"),
         ({"measure": "J_stedy"}, "did you mean 'J_steady'"),
-        ({"measure": "success"}, "unknown measure"),
-        ({"optimum_kind": "guess"}, "unknown optimum_kind"),
+        ({"measure": "success"}, "measure = 'success'"),
+        ({"optimum_kind": "guess"}, "optimum_kind = 'guess'.*Known: gauss-newton plan"),
         ({"optimun": 3.0}, "did you mean 'optimum'"),
-        ({"headroom": {"value": 1.0}}, "headroom: allowed are value, low and high"),
+        ({"headroom": {"low": 1.0}}, "missing key 'value' in cells.heading_keeping/kcs.headroom"),
     ],
 )
 def test_a_wrong_cell_is_refused_by_name(tmp_path, change, message):
@@ -167,7 +167,7 @@ def test_missing_keys_and_files_are_named(tmp_path):
     with pytest.raises(ConfigError, match="no such file"):
         read_references(path)
     path.write_text("{")
-    with pytest.raises(ConfigError, match="no JSON"):
+    with pytest.raises(ConfigError, match="not valid JSON"):
         read_references(path)
     path.write_text('{"version": "ShipBench-1", "cells": {}}')
     with pytest.raises(ConfigError, match="missing key 'seeds'"):

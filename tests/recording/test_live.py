@@ -168,7 +168,7 @@ def test_a_viewer_that_cannot_start_is_said(monkeypatch, ship):
     ("change", "message"),
     [
         ({"psi": math.nan}, "psi = nan: must be finite"),
-        ({"extra": 1.0}, "first row of the episode"),
+        ({"extra": 1.0}, "first row of the episode: with extra"),
     ],
 )
 def test_rows_that_do_not_fit_are_refused(tmp_path, ship, change, message):

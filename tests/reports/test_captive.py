@@ -122,7 +122,7 @@ def test_the_form_of_hmri_for_a_swinging_model(tmp_path):
         tow_as_measured(SHIP, hmri_file(path, "J,K_T", "0.1,0.2"))
     for row, words in (
         ("1.0,9.9", ":4: 2 cells, but 3 columns"),
-        ("", "at least one of numbers"),
+        ("", "at least 1 of numbers"),
         ("1.0,ten,0.1", "ten"),
     ):
         with pytest.raises(ConfigError, match=words):

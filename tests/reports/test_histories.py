@@ -57,7 +57,7 @@ def test_of_a_model_ship_the_same_in_lengths(file):
     ("old", "new", "words"),
     [
         ("psi [deg]", "psi [rad]", "no column 'psi \\[deg\\]'"),
-        ("8.5\n", "x\n", "could not convert"),
+        ("8.5\n", "x\n", "delta .deg. = 'x' is not a number"),
     ],
 )
 def test_a_damaged_file_is_told(file, old, new, words):

@@ -85,9 +85,9 @@ def test_save_and_load(table, tmp_path):
 def test_non_finite_cells_are_refused(table):
     bad = table.CY.copy()
     bad[0, 0, 0] = np.nan
-    with pytest.raises(ConfigError, match="CY has non-finite"):
+    with pytest.raises(ConfigError, match=r"CY\[0, 0, 0\] = nan: allowed"):
         dataclasses.replace(table, CY=bad)
-    with pytest.raises(ConfigError, match="axes say"):
+    with pytest.raises(ConfigError, match="CY has shape"):
         dataclasses.replace(table, CY=table.CY[:, :-1])
 
 

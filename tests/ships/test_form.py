@@ -7,7 +7,8 @@ import pytest
 from ship_gym.config import ConfigError
 from ship_gym.ships import available_ships, load_ship, scaled
 from ship_gym.ships.files import DATA
-from ship_gym.ships.particulars import HullForm, check_sections
+from ship_gym.ships.particulars import HullForm
+from ship_gym.ships.plausible import checked
 from ship_gym.ships.scaling import _POWERS
 
 WITH_FORM = [name for name in available_ships() if load_ship(name).form is not None]
@@ -89,9 +90,17 @@ def test_a_scaled_ship_file_may_replace_a_number(tmp_path):
     [
         ("C_wp =", "C_vp =", "unknown key form.'C_vp'.*C_wp"),
         ("L_E =", "# L_E =", "missing key form.'L_E'"),
-        ("KG = { value = 0.19,", "KG = { value = 19.0,", "form.KG = 19.0: allowed is 0 to 0.428"),
+        (
+            "KG = { value = 0.19,",
+            "KG = { value = 19.0,",
+            "form.KG = 19 m = 44.39 B: allowed is 0 to 1 B, here 0 to 0.428 m",
+        ),
         ("C_m = { value = 0.985", "C_m = { value = 98.5", "form.C_m = 98.5: allowed is 0.4 to 1"),
-        ("k_yy = { value = 0.764", "k_yy = { value = 76.4", "form.k_yy = 76.4: allowed is"),
+        (
+            "k_yy = { value = 0.764",
+            "k_yy = { value = 76.4",
+            "form.k_yy = 76.4 m = 24.99 L: allowed is",
+        ),
         ("a_transom = { value = 0.01", "a_transom = { value = 0.0", "a transom needs both"),
     ],
 )
@@ -104,4 +113,4 @@ def test_checks_reach_the_scaled_ship():
     ship = load_ship("kcs")
     bad = dataclasses.replace(ship, form=dataclasses.replace(ship.form, GM=math.nan))
     with pytest.raises(ConfigError, match=r"form\.GM = nan"):
-        check_sections(bad)
+        checked(bad)

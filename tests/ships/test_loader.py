@@ -9,7 +9,7 @@ from ship_gym.config import ConfigError
 from ship_gym.ships import available_surrogates, available_variants, load_ship
 from ship_gym.ships.files import DATA
 from ship_gym.ships.loader import attach_surrogate, with_beaufoy
-from ship_gym.ships.particulars import check_sections
+from ship_gym.ships.plausible import checked
 from ship_gym.ships.records import anchored
 
 
@@ -177,8 +177,16 @@ def test_a_ship_file_from_outside_the_package(own_ship):
         ("m_y = 0.223", "m_y = true", ["hull.m_y"]),
         ('value = 35.0, unit = "deg"', 'value = 35.0, unit = "rad"', ["looks like degrees"]),
         ('value = 7.00, unit = "m"', 'value = 7.00, unit = "kg"', ["hull.L", "allowed is m"]),
-        ('value = 3.27, unit = "m3"', 'value = 32.7, unit = "m3"', ["block coefficient"]),
-        ('value = 0.0539, unit = "m2" }', 'value = -1.0, unit = "m2" }', ["rudder.A_R", "> 0"]),
+        (
+            'value = 3.27, unit = "m3"',
+            'value = 32.7, unit = "m3"',
+            ["hull.volume = 32.7 m3", "0.25 to 0.95 L B d"],
+        ),
+        (
+            'value = 0.0539, unit = "m2" }',
+            'value = -1.0, unit = "m2" }',
+            ["rudder.A_R = -1 m2", "0.004 to 0.1 L d"],
+        ),
         ("t_P = 0.220", "t_p = 0.220", ["t_p", "did you mean 't_P'"]),
         ("[gear]", "[gears]", ["gears", "did you mean 'gear'"]),
         ("J_range = [0.0, 0.8]\n", "", ["open_water", "J_range"]),
@@ -207,4 +215,4 @@ def test_a_rudder_law_out_of_range_is_refused(name, field, value, message):
     ship = load_ship(name)
     bad = dataclasses.replace(ship, rudder=dataclasses.replace(ship.rudder, **{field: value}))
     with pytest.raises(ConfigError, match=message):
-        check_sections(bad)
+        checked(bad)

@@ -136,7 +136,7 @@ def test_published_points_are_read_strictly(tmp_path):
     path = tmp_path / "other.toml"
     text = 'scaled_from = "kcs_model"\nlength = { value = 230.0, unit = "m" }\n[[propulsion]]\n'
     path.write_text(text + 'source = "me"\nspeed = 12.0\npower = 2e7\n')
-    with pytest.raises(ConfigError, match=r"propulsion: unknown key 'power'"):
+    with pytest.raises(ConfigError, match=r"propulsion.0.: unknown key 'power'"):
         load_ship(path)
     path.write_text(text + 'source = "me"\nspeed = 12.0\ndelivered_power = 2e7\n')
     ours, theirs = compared(load_ship(path), load_ship(path).propulsion[0])["delivered_power"]

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import Several, environment, out, verb
+from ship_gym_agents.cli.options import Several, environment, force, out, verb
 from ship_gym_agents.cli.values import Name, Number, whole
 
 
@@ -37,15 +37,19 @@ several starts is an estimate of what no controller can pass, not a bound.""",
     help="Instead: the front of error against wear, one optimum for each weight of the rudder.",
 )
 @out(".json", "Results; default: runs/bound.json.")
-def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out, **options):
+@force()
+def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out, force, **options):
     """Estimate the best that control can reach: optimised plans with full knowledge.
 
     Intervals: 95 % bootstrap over the episodes.
     """
     from ship_gym.evaluation import evaluation_seeds
+    from ship_gym.provenance import held
     from ship_gym_agents.cli.output import place, progress, show
+    from ship_gym_agents.cli.replace import BOUND, check_replaced
     from ship_gym_agents.cli.sailing import own_task, resolved, wanted
 
+    check_replaced(out, BOUND, force)
     out = place(out, "runs/bound.json")
     name = own_task(task)
     env = wanted(options, name)
@@ -53,9 +57,10 @@ def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out
     made = _controllers(scenario, controllers)
     how = {"seeds": evaluation_seeds(seeds), "iterations": iterations, **env}
     how |= {"progress": lambda steps, text: progress(steps, text, iterations)}
-    found = _front(made, measure, lambdas, how) if lambdas else _best(made, measure, how)
-    text = found.pop("text")
-    _write(found, out)
+    with held(out, "works on this file"):
+        found = _front(made, measure, lambdas, how) if lambdas else _best(made, measure, how)
+        text = found.pop("text")
+        _write(found, out)
     show(as_json, {**found, "file": str(out)}, f"{text}\n\nwrote {out}")
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import jobs, out, report, ship, verb
+from ship_gym_agents.cli.options import force, jobs, out, report, ship, verb
 from ship_gym_agents.cli.values import Number
 
 _HULL_FILE = ("scale", "forward", "up", "midship", "waterline")
@@ -42,6 +42,7 @@ _HULL_FILE = ("scale", "forward", "up", "midship", "waterline")
     "--from", "table", type=click.Path(path_type=Path), help="No computing: report on this table."
 )
 @report()
+@force()
 def command(as_json, **options) -> None:
     """Compute a ship's wave table by boundary elements.
 
@@ -86,6 +87,7 @@ class Asked:
     jobs: int
     table: Path | None
     report: Path | None
+    force: bool
 
 
 @dataclasses.dataclass(frozen=True)
@@ -111,6 +113,7 @@ def _hull(asked: Asked, ship: Any):
 def _existing(asked: Asked) -> Made:
     """The table of ``--from``."""
     from ship_gym.config import ConfigError
+    from ship_gym.reports.wave_table import check_card
     from ship_gym.sea.wave_table import WaveTable
     from ship_gym.ships.files import available_ships
     from ship_gym.ships.loader import load_ship
@@ -118,6 +121,7 @@ def _existing(asked: Asked) -> Made:
     if asked.out or asked.quick or asked.froude is not None:
         raise ConfigError("--from reads a table: --out, --quick and --froude belong to computing")
     table = WaveTable.load(asked.table)
+    check_card(table, asked.table)
     if asked.ship is None and table.card["ship"] not in available_ships():
         raise ConfigError(
             f"{asked.table}: made for {table.card['ship']}; name its file with --ship"
@@ -143,6 +147,7 @@ def _computed(asked: Asked) -> Made:
     from ship_gym.seakeeping import database
     from ship_gym.ships.loader import load_ship
     from ship_gym_agents.cli.output import need, place, progress
+    from ship_gym_agents.cli.replace import check_replaced, wave_table
 
     need("capytaine", "joblib")
     ship = load_ship(asked.ship or "kcs_model")
@@ -153,6 +158,7 @@ def _computed(asked: Asked) -> Made:
     # beside a ship file, where the ship finds it
     own = str(asked.ship or "").endswith(".toml")
     folder = Path(asked.ship).parent if own else Path("runs")
+    check_replaced(asked.out, wave_table(ship.name), asked.force)
     out = place(asked.out, folder / f"waves_{ship.name}.npz")
     return Made(database.build(ship, mesh, out, grid, asked.jobs, progress), ship, mesh, out)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import Several, environment, out, verb
+from ship_gym_agents.cli.options import Several, environment, force, out, verb
 from ship_gym_agents.cli.values import Name, OutFolder, whole
 
 
@@ -44,8 +44,9 @@ from ship_gym_agents.cli.values import Name, OutFolder, whole
     help="Episodes of each controller to record, by the headline metric: worst, best, median, "
     "failed, all; several; default: worst.",
 )
+@force()
 def command(
-    as_json, policies, controllers, task, episodes, out, markdown, record, which, **options
+    as_json, policies, controllers, task, episodes, out, markdown, record, which, force, **options
 ) -> None:
     """Sail controllers on the same evaluation episodes; print their metrics.
 
@@ -54,9 +55,11 @@ def command(
     from ship_gym.evaluation import compare, evaluation_seeds
     from ship_gym_agents.cli import evaluate_episodes as shown
     from ship_gym_agents.cli.output import place, show
+    from ship_gym_agents.cli.replace import EVALUATION, check_replaced
     from ship_gym_agents.cli.review.files import next_review
 
     shown.check_which(which, record)
+    check_replaced(out, EVALUATION, force)
     out = place(out, _folder(policies) / "evaluation.json")
     seeds = evaluation_seeds(episodes)
     files_of_each = record is not None

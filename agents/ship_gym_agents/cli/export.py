@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import environment, verb
+from ship_gym_agents.cli.options import environment, force, verb
 from ship_gym_agents.cli.values import Name, OutFile
 
 _SUFFIX = {"onnx": ".onnx", "safetensors": ".safetensors"}
@@ -28,8 +28,9 @@ _SUFFIX = {"onnx": ".onnx", "safetensors": ".safetensors"}
     help="Read a zip that stable-baselines3 saved, and a vecnormalize.pkl beside it. "
     "THIS RUNS CODE that they may hold: only for files of people you trust.",
 )
+@force()
 @environment("what a zip of stable-baselines3 was trained for: heading_keeping, kcs, rudder")
-def command(as_json, policy, to, out, trust, task, **options) -> None:
+def command(as_json, policy, to, out, trust, force, task, **options) -> None:
     """Write a policy as ONNX for other programs, or as safetensors from older files.
 
     POLICY is a name, a file or the folder of a run. An ONNX model holds normaliser and network;
@@ -40,8 +41,11 @@ def command(as_json, policy, to, out, trust, task, **options) -> None:
 
     if to == "onnx":
         need("onnx")
-    out = _checked(out, policy, to)
+    from ship_gym_agents.cli import replace
+
+    named, out = out, _checked(out, policy, to)
     made = _read(policy, trust, task, options)
+    replace.check_replaced(named, replace.policy(made.card), force)
     found = {"policy": made.name, "file": str(out), "form": made.form_in_words}
     found |= _write(made, to, out)
     found |= {"bytes": out.stat().st_size}

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import MayStandAlone, Several, out, report, seed, ship, verb
+from ship_gym_agents.cli.options import MayStandAlone, Several, force, out, report, seed, ship, verb
 from ship_gym_agents.cli.values import Number, OutFolder, whole
 
 _COLUMNS = """
@@ -51,6 +51,7 @@ ship_gym/surrogates/data/kcs_propeller_rudder_cfd.csv
 @out(".npz", "Table file; default: runs/surrogate_<data>_<fit>.npz.")
 @out(".png", "Draw the surrogate.", "--plot")
 @report()
+@force()
 @click.option(
     "--install",
     cls=MayStandAlone,
@@ -62,7 +63,7 @@ def command(as_json, install, **options) -> None:
 
     The result is a table file that attaches to a ship.
     """
-    from ship_gym.provenance import check_place
+    from ship_gym.provenance import check_place, locked
     from ship_gym.ships.files import DATA
     from ship_gym_agents.cli.output import need, show
 
@@ -70,8 +71,9 @@ def command(as_json, install, **options) -> None:
     if asked.plot or asked.report is not None:
         need("matplotlib")
     if install is not None:
-        check_place(DATA if install == Path() else install, "--install", folder=True)
-        files = _install(install)
+        place = DATA if install == Path() else install
+        with locked(check_place(place, "--install", folder=True) / ".fit.lock", "fits tables here"):
+            files = _install(place)
         show(as_json, {"files": files}, "wrote\n  " + "\n  ".join(files))
     else:
         show(as_json, *_fit_one(asked))
@@ -96,12 +98,12 @@ class Asked:
     out: Path | None
     plot: Path | None
     report: Path | None
+    force: bool
 
 
 def _install(folder: Path) -> list[str]:
     """Fit and write every table that comes with the package."""
     from ship_gym.reports.surrogate import SHIPPED
-    from ship_gym.ships.files import DATA
     from ship_gym.ships.loader import load_ship
     from ship_gym.surrogates.fit import Options, fit
     from ship_gym.surrogates.force_table import table_of
@@ -113,8 +115,7 @@ def _install(folder: Path) -> list[str]:
     for name, family, grid, turbulence in progress(SHIPPED, "fitting"):
         data = DATA_SETS[name]
         found = fit(data, Options(family), grid, turbulence)
-        place = DATA if folder == Path() else folder
-        path = place / data.ship / f"surrogate_{found.name}.npz"
+        path = folder / data.ship / f"surrogate_{found.name}.npz"
         tables[path] = table_of(found, load_ship(data.ship, surrogate="none"))
     for path, table in tables.items():
         table.save(path)
@@ -185,18 +186,23 @@ def _warn_of_samples(data: Any, ship: Any, options: Any, choice: tuple[str, str]
 
 def _fit_one(asked: Asked) -> tuple[dict, str]:
     """Fit, write and draw one table; return what to print as data and as text."""
+    from ship_gym.provenance import held
     from ship_gym.reports import surrogate as report
     from ship_gym.reports.page import plain_text
     from ship_gym.reports.surrogate_sections import sections
     from ship_gym.ships.loader import attach_surrogate
     from ship_gym_agents.cli.output import place, report_page
+    from ship_gym_agents.cli.replace import check_replaced, surrogate
 
     place(asked.out, "runs/surrogate.npz")  # the fit names it, in this folder
     data, ship, options, choice = _chosen(asked)
-    found, table, facts = _fitted(data, ship, options, choice)
-    out = asked.out or Path("runs") / f"{report.file_stem(found)}.npz"
+    check_replaced(asked.out, surrogate(data.name, ship.name), asked.force)
+    usual = "-".join(filter(None, ("surrogate", data.name, options.family, *choice)))
+    with held(asked.out or Path("runs") / f"{usual}.npz", "fits this table"):
+        found, table, facts = _fitted(data, ship, options, choice)
+        out = asked.out or Path("runs") / f"{report.file_stem(found)}.npz"
+        table.save(out)
     page = report_page(asked.report, out)
-    table.save(out)
     _turn(facts, ship, table, found)
     _draw(found, attach_surrogate(ship, table, found.name), facts, asked.plot, page)
     facts["files"] = [str(path) for path in (out, asked.plot, page) if path]

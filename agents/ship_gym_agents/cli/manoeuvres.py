@@ -51,15 +51,7 @@ def split(suites: Sequence[str], trials: Path | None) -> tuple[list[str], Hulls]
     return episodes, Hulls(hulls, find_trials(trials))
 
 
-def sail_suites(
-    hulls: Hulls,
-    *,
-    out: Path,
-    ships: Sequence[str] = (),
-    report: bool = True,
-    command: str = "",
-    **_: Any,
-) -> Shown:
+def sail_suites(hulls: Hulls, *, out: Path, **options: Any) -> Shown:
     """Sail suites of manoeuvres; write their table and, with `report`, their page into `out`.
 
     Parameters
@@ -67,12 +59,28 @@ def sail_suites(
     hulls : Hulls
     out : Path
         Folder.
-    ships : sequence of str
-        Instead of those of the suites.
-    report : bool
-    command : str
-        Kept with the results.
+    **options
+        ``ships``, instead of those of the suites; ``report``; ``command``, kept with the results.
+
+    Raises
+    ------
+    ConfigError
+        Another process writes into the folder.
     """
+    from ship_gym.evaluation.run_folder import RunFolder
+
+    with RunFolder(out).locked():
+        return _sail_suites(hulls, out, **options)
+
+
+def _sail_suites(
+    hulls: Hulls,
+    out: Path,
+    ships: Sequence[str] = (),
+    report: bool = True,
+    command: str = "",
+    **_: Any,
+) -> Shown:
     from ship_gym.evaluation.episodes_table import arrow
     from ship_gym.evaluation.manoeuvres.sailing import sail_manoeuvres
     from ship_gym.evaluation.manoeuvres.table import rows_of, write_manoeuvres
@@ -95,7 +103,6 @@ def sail_suites(
         "machine": machine(),
         **provenance(),
     }
-    out.mkdir(parents=True, exist_ok=True)
     files = [out / FILE]
     write_manoeuvres(files[0], rows, about)
     if report:

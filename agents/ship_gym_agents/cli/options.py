@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -43,6 +42,8 @@ class Verb(click.Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse with ``--option a b`` as ``--option a --option b`` where an option allows it."""
+        if zero := [word for word in args if "\0" in word]:  # no shell gives it, a program may
+            raise click.UsageError(f"{zero[0][:60]!r}: no word has a zero byte", ctx)
         ctx.meta[TYPED] = [*args]
         return super().parse_args(ctx, self._expanded(args))
 
@@ -122,6 +123,16 @@ def report():
     )
 
 
+def force():
+    """Option ``--force``; ``replace.check_replaced`` says when it is needed."""
+    return click.option(
+        "--force",
+        is_flag=True,
+        help="Replace the file that was named, whatever it holds; without it only an earlier "
+        "result of the same. Pictures and pages are always replaced.",
+    )
+
+
 def jobs():
     """Option ``--jobs``."""
     return click.option(
@@ -195,8 +206,11 @@ def _overrides(ctx: click.Context, param: click.Parameter, given: Sequence[str])
 
 def toml_value(text: str) -> Any:
     """The value of a TOML text; what is none is the text itself, so that names need no quotes."""
+    from ship_gym.config import ConfigError  # late: it imports Gymnasium
+    from ship_gym.reading import parsed_toml
+
     try:
-        found = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+        found = parsed_toml(f"value = {text}", "--set")
+    except ConfigError:
         return text
     return found["value"] if len(found) == 1 else text

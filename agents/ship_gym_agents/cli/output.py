@@ -33,7 +33,7 @@ _EXTRAS = {
 
 
 def run(main: Callable[[], Any]) -> None:
-    """Call `main`; an error a user can mend is one line on stderr and exit code 2."""
+    """Call `main`; errors a user can mend are on stderr, one line each, and exit code 2."""
     usual = threading.excepthook
     threading.excepthook = lambda ended: _thread_ended(ended, usual)
     try:
@@ -43,7 +43,7 @@ def run(main: Callable[[], Any]) -> None:
     except (KeyboardInterrupt, click.Abort) as stop:  # click's stands for one that says more
         sys.exit(_refuse(str(stop.__cause__ or stop) or "interrupted"))
     except click.ClickException as error:
-        sys.exit(_refuse(f"error: {error.format_message()}"))
+        sys.exit(_refuse(f"error: {_one_line(error.format_message())}"))
     except Exception as error:
         if not (text := _in_words(error)):
             raise
@@ -73,7 +73,13 @@ def _in_words(error: Exception) -> str:
     if reason := no_space(error):
         where = getattr(error, "filename", None)
         return f"{where}: {reason}" if where else f"{reason}; what was being written is not whole"
-    return str(error) if isinstance(error, ConfigError | ImportError | OSError) else ""
+    if isinstance(error, ConfigError):  # a line for each thing that is wrong
+        return str(error)
+    return _one_line(error) if isinstance(error, ImportError | OSError) else ""
+
+
+def _one_line(text: object) -> str:
+    return " ".join(str(text).split())
 
 
 @contextlib.contextmanager
@@ -89,7 +95,10 @@ def _stdout() -> Iterator[None]:
 
 
 def _refuse(message: str) -> int:
-    print(" ".join(message.split()), file=sys.stderr)
+    from ship_gym.config import cut  # late, as above
+
+    for line in filter(None, map(_one_line, message.splitlines())):
+        print(cut(line), file=sys.stderr)
     return _REFUSED
 
 

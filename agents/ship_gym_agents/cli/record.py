@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
 
-from ship_gym_agents.cli.options import Several, environment, seed, verb
+from ship_gym_agents.cli.options import Several, environment, force, seed, verb
 from ship_gym_agents.cli.record_out import OutRecordings, Places
 from ship_gym_agents.cli.record_pick import OF, Pick
 from ship_gym_agents.cli.record_tables import tables
@@ -56,7 +57,10 @@ from ship_gym_agents.cli.values import Name, whole
     help="One: the file; default: runs/rollout.rrd. Several: their folder, or a file to whose "
     "name -CONTROLLER-SEED is added; default: runs/recordings.",
 )
-def command(as_json, named, task, seed, seeds, worst, best, median, by, of, out, **options) -> None:
+@force()
+def command(
+    as_json, named, task, seed, seeds, worst, best, median, by, of, out, force, **options
+) -> None:
     """Record episodes as rerun or CSV files, read them back and compute their metrics.
 
     Rows go to disk while a ship sails: of a recording that is killed FILE.rrd.partial stays, and
@@ -70,8 +74,16 @@ def command(as_json, named, task, seed, seeds, worst, best, median, by, of, out,
     places = Places(out, len(named) * each > 1)
     if places.suffix == ".rrd":
         need("rerun")
-    found, why = _record(named, task, seeds, pick, places, options)
+    one = None if out is None or places.many else out
+    found, why = _record(named, task, seeds, pick, places, options, _Named(one, force))
     show(as_json, *_told(found, why, places, task))
+
+
+class _Named(NamedTuple):
+    """The one file that was named, and whether it may hold anything."""
+
+    file: Path | None
+    force: bool
 
 
 class _Plan(NamedTuple):
@@ -90,11 +102,13 @@ def _record(
     pick: Pick,
     places: Places,
     options,
+    out: _Named,
 ) -> tuple[list, list[dict]]:
     """Recordings, and why each was kept; all is refused before the first ship sails."""
     from ship_gym.config import ConfigError
     from ship_gym.evaluation.recordings import check_told_apart
     from ship_gym.evaluation.rollout import begin
+    from ship_gym_agents.cli.replace import check_replaced, recording
     from ship_gym_agents.cli.sailing import known_to, own_task, ready, resolved, wanted
     from ship_gym_agents.entrants import controllers_of
 
@@ -102,7 +116,11 @@ def _record(
     controllers = controllers_of(named)
     check_told_apart([controller.name for controller in controllers])
     env = wanted(options, name, known_to(named)[1])
-    sailed_task = resolved(env, name).task
+    scenario = resolved(env, name)
+    if not pick.most:
+        result = recording(controllers[0].name, seeds[0], scenario.to_dict())
+        check_replaced(out.file, result, out.force)
+    sailed_task = scenario.task
     ready(controllers, begin(seeds[:1], **env), seeds)
     plan = _Plan(seeds, pick, places, env)
     if not pick.most:

@@ -61,7 +61,7 @@ class Places:
         if out is None:
             out = check_place(MANY if several else ONE, "--out", folder=several)
         self._out = out
-        self._several = several
+        self.many = several or self._is_folder
         self.folder = self._out if self._is_folder else self._out.parent
         self.suffix = FORMATS[0] if self._is_folder else self._out.suffix.lower()
 
@@ -75,6 +75,6 @@ class Places:
 
         if self._is_folder:
             return self._out / file_name(controller, seed, self.suffix)
-        if not self._several:
+        if not self.many:
             return self._out
         return self._out.with_name(f"{self._out.stem}-{file_name(controller, seed, self.suffix)}")

@@ -44,10 +44,10 @@ def _task_of(known: Mapping[str, Any]) -> str | None:
 
 def check_task(sailed: str, task: str | None, scenario: Any) -> None:
     """Refuse a scenario of another task than ``--task`` asks for."""
-    from ship_gym.config import ConfigError
+    from ship_gym.config import ConfigError, shown
 
     if task is not None and sailed != task:
-        raise ConfigError(f"--task {task}: scenario {scenario} is of task {sailed!r}")
+        raise ConfigError(f"--task {task}: scenario {scenario} is of task {shown(sailed)}")
 
 
 def resolved(env: Mapping[str, Any], task: str | None) -> Any:

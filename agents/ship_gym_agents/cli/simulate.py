@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ship_gym_agents.cli.options import out, ship, verb
+from ship_gym_agents.cli.options import force, out, ship, verb
 from ship_gym_agents.cli.values import Name, Number
 
 # what trials do not take: they are sailed as they were measured
@@ -68,7 +68,10 @@ _LOADING_COLOUR = {"turning_circle": "t", "zigzag": "delta"}
 @out(".png", "Also draw the propeller loading t'-q'-n'.", "--loading")
 @out(".csv", "Also write the time history.", "--csv")
 @out(".rrd", "Also write a rerun recording.", "--rrd")
-def command(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, **options) -> None:
+@force()
+def command(
+    as_json, what, ship, surrogate, variant, out, loading, csv, rrd, force, **options
+) -> None:
     """Sail a standard manoeuvre or all trials of a ship.
 
     Turning circle, zig-zag, crash stop, coasting, acceleration, pull-out or direct spiral. Prints
@@ -78,10 +81,22 @@ def command(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, **o
     """
     from ship_gym.reports.handling import KINDS
 
+    for option, file in (("--csv", csv), ("--rrd", rrd)):
+        _check_replaced(file, ship, option, force)
     if what in KINDS:
         files = {"out": out, "loading": loading, "csv": csv, "rrd": rrd}
         return _handling(as_json, what, ship, (surrogate, variant), files, options)
     return _turns(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, options)
+
+
+def _check_replaced(file: Path | None, ship: str, option: str, force: bool) -> None:
+    """Refuse a file that holds no manoeuvre of this ship."""
+    if file is None or not file.is_file():
+        return
+    from ship_gym.ships.loader import load_ship
+    from ship_gym_agents.cli.replace import check_replaced, manoeuvre
+
+    check_replaced(file, manoeuvre(load_ship(ship).name), force, option)
 
 
 def _handling(as_json, what, ship, sets, files, options) -> None:

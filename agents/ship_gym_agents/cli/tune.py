@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import click
 
-from ship_gym_agents.cli.options import Several, environment, out, seed, verb
+from ship_gym_agents.cli.options import Several, environment, force, out, seed, verb
 from ship_gym_agents.cli.values import Name, whole
 
 
@@ -37,7 +37,8 @@ from ship_gym_agents.cli.values import Name, whole
 @seed("Of the search.")
 @click.option("--resume", is_flag=True, help="Leave ships with such gains alone.")
 @out(".toml", "Gains; default: see above.")
-def command(as_json, controllers, ships, task, resume, out, structure, begin, **options) -> None:
+@force()
+def command(as_json, controllers, ships, task, resume, out, structure, begin, force, **options):
     """Tune controllers for ships on seeds kept for tuning; say what it gained.
 
     The search is CMA-ES, then Nelder-Mead. Headings are tuned for J_0.1, courses for the settling
@@ -54,6 +55,7 @@ def command(as_json, controllers, ships, task, resume, out, structure, begin, **
     """
     import dataclasses
 
+    from ship_gym.provenance import held
     from ship_gym_agents.cli.output import next_command, show
     from ship_gym_agents.gains_files import write_gains
     from ship_gym_agents.tuning import gains_file, is_tuned
@@ -61,15 +63,16 @@ def command(as_json, controllers, ships, task, resume, out, structure, begin, **
 
     need_optuna()
     found = {}
-    for job in _jobs(list(controllers) or ["pid"], list(ships), out, task, options):
+    for job in _jobs(list(controllers) or ["pid"], list(ships), out, task, options, force):
         env, how, chosen = _settings(job, task, list(structure), options)
         if resume and is_tuned(job.kind, job.ship, how, job.path):
             lines = [f"{job.name} for {job.ship}: tuned already"]
         else:
-            tuned = _tune(job, env, chosen, begin, options)
-            made = gains_file(tuned, how)
+            with held(job.path, "tunes into this file"):
+                tuned = _tune(job, env, chosen, begin, options)
+                made = gains_file(tuned, how)
+                lines = _told(job, tuned, write_gains(made, job.path))
             found[f"{job.name}/{job.ship}"] = dataclasses.asdict(made)
-            lines = _told(job, tuned, write_gains(made, job.path))
         if not as_json:  # at once: the next ship takes minutes
             click.echo("\n".join(lines))
     sailed = {"ship": job.ship, "scenario": env["scenario"]}
@@ -87,13 +90,19 @@ class _Job(NamedTuple):
 
 
 def _jobs(
-    controllers: list[str], ships: list[str], out: Path | None, task: str | None, options: dict
+    controllers: list[str],
+    ships: list[str],
+    out: Path | None,
+    task: str | None,
+    options: dict,
+    force: bool,
 ) -> list[_Job]:
     """Everything to be done; refused now if a ship is none or a file has no place."""
     from ship_gym.config import ConfigError
     from ship_gym.ships.files import available_ships
     from ship_gym.ships.loader import load_ship
     from ship_gym_agents.cli.output import place
+    from ship_gym_agents.cli.replace import check_replaced, gains
     from ship_gym_agents.controllers import CONTROLLERS, controller_class
     from ship_gym_agents.gains_files import place_for_gains
     from ship_gym_agents.tuning.structures import own_task_of
@@ -108,7 +117,10 @@ def _jobs(
             raise ConfigError(f"--controllers {name}: your own needs a file for its gains: --out")
         of_task = own_task_of(kind, _sailed(kind, task, options)[1])
         for ship in names:
-            path = place(out, place_for_gains(load_ship(ship).name, kind.KIND, of_task))
+            loaded = load_ship(ship).name
+            path = place(out, place_for_gains(loaded, kind.KIND, of_task))
+            written = name if name not in CONTROLLERS else kind.KIND
+            check_replaced(out, gains(written, loaded, of_task), force)
             made.append(_Job(name, kind, ship, path))
     return made
 

@@ -36,7 +36,8 @@ class Number(click.ParamType):
             number = self.kind(value)
         except ValueError:
             raise click.UsageError(f"{option} = {value}: must be a {self._what()}", ctx) from None
-        if not (math.isfinite(number) and self.low <= number <= self.high):
+        finite = self.kind is int or math.isfinite(number)  # 10**400 is no float
+        if not (finite and self.low <= number <= self.high):
             raise click.UsageError(f"{option} = {value}: allowed is {self._range()}", ctx)
         return number
 

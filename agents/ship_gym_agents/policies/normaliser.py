@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from ship_gym.config import ConfigError
+from ship_gym.config import LARGEST, ConfigError
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -31,7 +31,10 @@ class Normaliser:
 
     def __post_init__(self):
         for name in ("mean", "scale"):
-            object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=np.float64))
+            array = np.asarray(getattr(self, name))
+            if array.dtype.kind not in "fiu":
+                raise ConfigError(f"normaliser: {name} is of type {array.dtype}: allowed: numbers")
+            object.__setattr__(self, name, array.astype(np.float64))
         if self.mean.ndim != 1 or self.mean.shape != self.scale.shape:
             raise ConfigError(
                 f"normaliser: mean of shape {self.mean.shape}, scale of shape {self.scale.shape}"
@@ -40,6 +43,8 @@ class Normaliser:
             raise ConfigError("normaliser: a number is not finite")
         if np.any(self.scale <= 0.0) or self.limit <= 0.0:
             raise ConfigError("normaliser: scales and limit must be positive")
+        if max(np.abs(self.mean).max(initial=0.0), self.limit) > LARGEST:
+            raise ConfigError(f"normaliser: means and limit are at most {LARGEST:g}")
 
     def __call__(self, features: np.ndarray) -> np.ndarray:
         """Scaled features, shape (count, n_features)."""

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import io
-import json
 import zipfile
 from pathlib import Path
 
-import numpy as np
-
-from ship_gym.config import ConfigError
+from ship_gym.config import shown
+from ship_gym.reading import check_unpacked, npz_arrays, parsed_json, read_as, read_bytes
 from ship_gym_agents.forms.form import Form
-from ship_gym_agents.policies.networks import Mlp
+from ship_gym_agents.policies.cards import checked_card
+from ship_gym_agents.policies.networks import check_reach, network_from
 from ship_gym_agents.policies.normaliser import Normaliser
 from ship_gym_agents.policies.policy import Policy
 
@@ -22,7 +21,7 @@ def is_old(path: str | Path) -> bool:
     """Whether a file is a policy of version 0.1."""
     if not zipfile.is_zipfile(path):
         return False
-    with zipfile.ZipFile(path) as archive:
+    with read_as(path, "a zip archive"), zipfile.ZipFile(path) as archive:
         return set(archive.namelist()) >= _NAMES
 
 
@@ -34,28 +33,28 @@ def load_old(path: str | Path) -> Policy:
     ConfigError
         Damaged.
     """
-    try:
-        with zipfile.ZipFile(path) as archive:
-            card = json.loads(archive.read("card.json"))
-            layers = _arrays(archive.read("actor.npz"))
-            scaling = _arrays(archive.read("normaliser.npz"))
+    data = read_bytes(path)
+    with read_as(path, "a policy"):
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            check_unpacked(archive)
+            parts = {name: archive.read(name) for name in sorted(_NAMES)}
+        card = parsed_json(parts["card.json"], path)
+        layers = npz_arrays(parts["actor.npz"], f"{path}: actor.npz")
+        scaling = npz_arrays(parts["normaliser.npz"], f"{path}: normaliser.npz")
+        if card.pop("format") != 1:
+            raise ValueError("its format is not 1")
         made = card.pop("network")
-        order = range(made["layers"])
-        network = Mlp(
-            tuple(layers[f"weight_{k}"] for k in order),
-            tuple(layers[f"bias_{k}"] for k in order),
-            made["activation"],
-            made["output"],
-        )
-        normaliser = Normaliser(scaling["mean"], scaling["scale"], float(scaling["limit"]))
+        if not 1 <= made["layers"] <= len(layers):
+            raise ValueError(f"layers = {shown(made['layers'])}: it has {len(layers)} arrays")
+        hidden = [len(layers[f"bias_{k}"]) for k in range(made["layers"] - 1)]
+        about = {"kind": "mlp", "hidden": hidden, "symmetric": False}
+        about |= {key: made[key] for key in ("activation", "output")}
+        network = network_from(about, layers)
+        limit = float(scaling["limit"])
+        normaliser = Normaliser(scaling["mean"], scaling["scale"], limit)
+        check_reach(network, limit)
         card["features"] = [f"observation.{name}" for name in card.pop("observations")]
         card["decisions"] = ["rudder", "rpm"][: network.n_decisions]
-        del card["format"]
+        parts = {"form": {}, "network": about, "normaliser": {"limit": limit}}
+        checked_card({**card, **parts})
         return Policy(Form(), normaliser, network, card)
-    except (zipfile.BadZipFile, KeyError, ValueError, TypeError, EOFError, OSError) as error:
-        raise ConfigError(f"{path}: not a policy, or damaged: {error}") from error
-
-
-def _arrays(data: bytes) -> dict[str, np.ndarray]:
-    with np.load(io.BytesIO(data), allow_pickle=False) as found:
-        return {name: found[name] for name in found.files}

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ship_gym.reading import read_as, read_bytes
 from ship_gym_agents.policies.networks import Lstm
 from ship_gym_agents.policies.policy import Policy
 
@@ -22,9 +23,9 @@ def largest_difference(policy: Policy, path: str | Path, seed: int = 0) -> float
         import onnxruntime
     except ModuleNotFoundError:
         return None
-    session = onnxruntime.InferenceSession(
-        Path(path).read_bytes(), providers=["CPUExecutionProvider"]
-    )
+    data = read_bytes(path)
+    with read_as(path, "an ONNX model"):
+        session = onnxruntime.InferenceSession(data, providers=["CPUExecutionProvider"])
     generator = np.random.default_rng(seed)
     network, normaliser = policy.network, policy.normaliser
     state, apart = network.start(_COUNT), 0.0

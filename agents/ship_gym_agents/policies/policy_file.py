@@ -21,15 +21,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from safetensors import SafetensorError, safe_open
 from safetensors.numpy import load, save
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, shown
 from ship_gym.provenance import atomic_path
+from ship_gym.reading import read_as, read_bytes
 from ship_gym_agents.forms.form import form_from
-from ship_gym_agents.gains_files import kind_of
-from ship_gym_agents.plugins import is_own
-from ship_gym_agents.policies.networks import network_from
+from ship_gym_agents.plugins import check_no_code
+from ship_gym_agents.policies.cards import checked_card
+from ship_gym_agents.policies.networks import check_reach, network_from
 from ship_gym_agents.policies.normaliser import Normaliser
 from ship_gym_agents.policies.policy import Policy
 
@@ -37,8 +37,6 @@ POLICY_FILE = "policy.safetensors"
 FORMAT = 2
 _MARK = "ship_gym_policy"  # key of the header
 _SEEDS = "seed_*"  # folders of a run with several seeds
-# What reading arrays and text of a damaged file can raise.
-_DAMAGED = (SafetensorError, KeyError, ValueError, TypeError, AttributeError, RecursionError)
 
 
 def save_policy(policy: Policy, path: str | Path) -> None:
@@ -79,18 +77,24 @@ def load_policy(path: str | Path) -> Policy:
         No such file, no policy, damaged, of another format, or steering by Python code of its own.
     """
     file = policy_path(path)
-    head = _head(file)
+    data = read_bytes(file)
     try:
-        tensors = load(file.read_bytes())
-        card = head["card"]
-        if _digest(card, tensors) != head["digest"]:
-            raise ValueError("its digest is not that of what it holds")
-        normaliser = Normaliser(tensors["mean"], tensors["scale"], card["normaliser"]["limit"])
-        network = network_from(card["network"], tensors)
-        made = Policy(form_from(card["form"]), normaliser, network, card)
-    except _DAMAGED as error:
-        raise _damaged(file, error) from error
-    _check_base(made.form.base, file)
+        with read_as(file, "a policy"):
+            tensors = load(data)
+            head = _head(data, file)
+            if _digest(head["card"], tensors) != head["digest"]:
+                raise ValueError("its digest is not that of what it holds")
+            card = checked_card(head["card"])
+            normaliser = Normaliser(
+                tensors["mean"], tensors["scale"], float(card["normaliser"]["limit"])
+            )
+            network = network_from(card["network"], tensors)
+            check_reach(network, normaliser.limit)
+            made = Policy(form_from(card["form"]), normaliser, network, card)
+    except ConfigError as error:
+        raise ConfigError(str(error) if str(file) in str(error) else f"{file}: {error}") from None
+    instead = "make the controller in Python: Policy(form, normaliser, network, card)"
+    check_no_code(made.form.base, file, instead)
     made.file = file
     return made
 
@@ -104,10 +108,11 @@ def read_card(path: str | Path) -> dict[str, Any]:
         As `load_policy`, as far as the head of the file tells.
     """
     file = policy_path(path)
+    head = _head(read_bytes(file), file)
     try:
-        return dict(_head(file)["card"])
-    except _DAMAGED as error:
-        raise _damaged(file, error) from error
+        return checked_card(head.get("card"))
+    except ConfigError as error:
+        raise ConfigError(f"{file}: {error}") from None
 
 
 def policy_path(path: str | Path) -> Path:
@@ -144,27 +149,25 @@ def _in_folder(folder: Path) -> Path:
         return policy_path(folder / "policy.zip")
     if seeds := seed_folders(folder):
         raise ConfigError(
-            f"{folder}: no {POLICY_FILE} of the whole run yet; name one of its seeds: "
-            f"{', '.join(map(str, seeds))}"
+            f"{folder}: no {POLICY_FILE} of the whole run yet; name one of its {len(seeds)} seeds, "
+            f"such as {seeds[0]}"
         )
     if (folder / "card.json").is_file():
         raise ConfigError(f"{folder}: this run has no policy yet; the first validation writes one")
     raise ConfigError(f"{file}: no such policy; train one with: ship-gym train")
 
 
-def _head(file: Path) -> dict[str, Any]:
+def _head(data: bytes, file: Path) -> dict[str, Any]:
     """Format, digest and card in the header of a file, the format checked."""
-    try:
-        with safe_open(file, "numpy") as opened:
-            text = (opened.metadata() or {}).get(_MARK)
+    with read_as(file, "a policy"):
+        size = int.from_bytes(data[:8], "little")
+        text = (json.loads(data[8 : 8 + size]).get("__metadata__") or {}).get(_MARK)
         head = {} if text is None else json.loads(text)
         made_for = head.get("format")
-    except (*_DAMAGED, OSError) as error:
-        raise _damaged(file, error) from error
     if text is None:
         raise ConfigError(f"{file}: arrays that are not a policy of Ship Gym")
     if made_for != FORMAT:
-        raise ConfigError(f"{file}: of format {made_for}; this version reads {FORMAT}")
+        raise ConfigError(f"{file}: of format {shown(made_for)}; this version reads {FORMAT}")
     return head
 
 
@@ -182,16 +185,6 @@ def _parts(card: str, tensors: Mapping[str, np.ndarray]) -> Iterator[bytes]:
         array = tensors[name]
         yield f"{name} {array.dtype.str} {array.shape}".encode()
         yield array.tobytes()
-
-
-def _check_base(base: str, file: Path) -> None:
-    """Refuse an autopilot that is a Python file: what a card names must not be run."""
-    kind = kind_of(base) if base.endswith(".toml") and Path(base).is_file() else base
-    if any(is_own(part) for part in (kind, kind.rpartition("@")[0])):
-        raise ConfigError(
-            f"{file}: steers by {base}, which is Python code of its own, not run for a file; make "
-            "the controller in Python: Policy(form, normaliser, network, card)"
-        )
 
 
 def _zip_in_words(file: Path) -> str:
@@ -213,8 +206,3 @@ def _zip_in_words(file: Path) -> str:
             f"{file} --trust-sb3-zip --to safetensors --out {file.with_suffix('.safetensors')}"
         )
     return "a zip archive, not a policy"
-
-
-def _damaged(file: Path, error: Exception) -> ConfigError:
-    what = f"{error} is missing" if isinstance(error, KeyError) else error
-    return ConfigError(f"{file}: not a policy, or damaged: {what}")

@@ -1,23 +1,35 @@
-"""Checkpoints: everything that a run needs to go on, written whole or not at all."""
+"""Checkpoints: everything that a run needs to go on, written whole or not at all.
+
+Reading one runs no code that it may hold: weights and optimisers are read by torch's reader of
+plain tensors (``weights_only``), the rest is JSON and arrays.
+"""
 
 from __future__ import annotations
 
+import io
 import json
+import math
+import pickle
+import warnings
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.save_util import load_from_zip_file, save_to_zip_file
+from stable_baselines3.common.save_util import save_to_zip_file
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, check_number, shown
 from ship_gym.provenance import atomic_path
+from ship_gym.reading import check_array, check_unpacked, parsed_json, read_as, read_bytes
 from ship_gym_agents.sb3.environments import form_env
+from ship_gym_agents.sb3.replay_file import load_replay, save_replay
 
-_STATE = "state.json"
-_REPLAY = "replay_buffer.pkl"
+_MODEL, _STATE = "model.zip", "state.json"
+_VARIABLES = "pytorch_variables"  # member of what is no network, such as SAC's entropy coefficient
+_MOST = 1 << 33  # [bytes] of all weights and optimisers
 
 
 def save_checkpoint(model: BaseAlgorithm, folder: Path, counters: Mapping[str, Any]) -> None:
@@ -38,7 +50,7 @@ def save_checkpoint(model: BaseAlgorithm, folder: Path, counters: Mapping[str, A
     state = {**counters, **statistics, "samples": model.num_timesteps}
     state["price"] = form_env(env).price.state()
     _, tensors = model._get_torch_save_params()
-    with atomic_path(folder / "model.zip") as temporary:
+    with atomic_path(folder / _MODEL) as temporary:
         save_to_zip_file(
             temporary,
             params=model.get_parameters(),
@@ -47,26 +59,29 @@ def save_checkpoint(model: BaseAlgorithm, folder: Path, counters: Mapping[str, A
         with zipfile.ZipFile(temporary, "a") as archive:
             archive.writestr(_STATE, json.dumps(state))
     if getattr(model, "replay_buffer", None) is not None:
-        with atomic_path(folder / _REPLAY) as temporary:
-            model.save_replay_buffer(temporary)
+        save_replay(model.replay_buffer, folder)
 
 
 def load_checkpoint(model: BaseAlgorithm, folder: Path) -> dict[str, Any]:
     """Put a model where `save_checkpoint` left it; return the counters.
 
     The environments are not part of it: they begin new episodes.
+
+    Raises
+    ------
+    ConfigError
+        Not a checkpoint of this run, damaged, with numbers that are not finite, or a replay buffer
+        as a pickle, which is not read.
     """
-    file = folder / "model.zip"
-    try:
-        _, parameters, tensors = load_from_zip_file(file, load_data=False, device="cpu")
-        with zipfile.ZipFile(file) as archive:
-            state = json.loads(archive.read(_STATE))
-        model.set_parameters(parameters, exact_match=True, device="cpu")
-    except (OSError, ValueError, KeyError, RuntimeError, zipfile.BadZipFile) as error:
-        raise ConfigError(f"{file}: not a checkpoint of this run, or damaged: {error}") from error
-    for name, value in (tensors or {}).items():
-        if value is not None:
-            getattr(model, name).data = value.data
+    file = folder / _MODEL
+    found, state = read_model(file)
+    variables = found.pop(_VARIABLES, None) or {}
+    _check_finite({**found, _VARIABLES: variables}, file)
+    _check_state(state, model, file)
+    with read_as(file, "a checkpoint of this run"):
+        model.set_parameters(found, exact_match=True, device="cpu")
+        _put_variables(model, variables)
+        _check_optimisers(model)
     env = model.get_vec_normalize_env()
     for name in ("obs_rms", "ret_rms"):
         rms, saved = getattr(env, name), state[name]
@@ -74,6 +89,109 @@ def load_checkpoint(model: BaseAlgorithm, folder: Path) -> dict[str, Any]:
         rms.count = saved["count"]
     form_env(env).price.restore(state["price"])
     model.num_timesteps = state["samples"]
-    if getattr(model, "replay_buffer", None) is not None and (folder / _REPLAY).is_file():
-        model.load_replay_buffer(folder / _REPLAY)
+    buffer = getattr(model, "replay_buffer", None)
+    if buffer is not None and not load_replay(buffer, folder):
+        warnings.warn(f"{folder}: no replay buffer; it is filled anew", stacklevel=2)
     return state
+
+
+def read_model(file: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Plain tensors of the parts of a model by their names, and the state; nothing is checked.
+
+    Raises
+    ------
+    ConfigError
+        Not such a file, damaged, or with anything else than numbers in it, which is not read.
+    """
+    data = read_bytes(file, _MOST)
+    with read_as(file, "a checkpoint of this run"), zipfile.ZipFile(io.BytesIO(data)) as archive:
+        check_unpacked(archive, _MOST)
+        state = parsed_json(archive.read(_STATE), file)
+        found = {}
+        for name in archive.namelist():
+            if name.endswith(".pth"):
+                found[name.removesuffix(".pth")] = _plain_tensors(archive.read(name), name)
+    if not isinstance(state, dict):
+        raise ConfigError(f"{file}: {_STATE} = {shown(state)}: allowed is a mapping")
+    return found, state
+
+
+def _plain_tensors(data: bytes, name: str) -> Any:
+    """Tensors in mappings and lists, as torch saves them; no other object is made."""
+    try:
+        return torch.load(io.BytesIO(data), map_location="cpu", weights_only=True)
+    except pickle.UnpicklingError:  # torch's words advise to run it
+        raise ValueError(f"{name} holds more than numbers, or is damaged") from None
+
+
+def _check_finite(parts: Mapping[str, Any], file: Path) -> None:
+    for name, value in _numbers(parts, ""):
+        if not torch.isfinite(torch.as_tensor(value)).all():
+            raise ConfigError(f"{file}: {name.lstrip('.')} is not finite")
+
+
+def _numbers(values: Any, name: str) -> Iterator[tuple[str, torch.Tensor | float]]:
+    """All tensors and numbers of nested mappings and lists, with their names."""
+    if isinstance(values, torch.Tensor | float):
+        yield name, values
+    elif isinstance(values, Mapping):
+        for key, value in values.items():
+            yield from _numbers(value, f"{name}.{key}")
+    elif isinstance(values, list | tuple):
+        for k, value in enumerate(values):
+            yield from _numbers(value, f"{name}.{k}")
+
+
+def _put_variables(model: BaseAlgorithm, variables: Mapping[str, Any]) -> None:
+    """Put tensors that belong to no network where the model has them."""
+    _, names = model._get_torch_save_params()
+    if not set(variables) <= set(names):
+        raise ValueError(f"variables {sorted(variables)}: the model has {sorted(names)}")
+    for name, value in variables.items():
+        if value is None:
+            continue
+        there = getattr(model, name)
+        if value.shape != there.shape or value.dtype != there.dtype:
+            raise ValueError(f"{name} has shape {tuple(value.shape)}, not {tuple(there.shape)}")
+        there.data = value.data
+
+
+def _check_optimisers(model: BaseAlgorithm) -> None:
+    """Refuse moments of another shape than their weights, which torch takes without a word."""
+    names, _ = model._get_torch_save_params()
+    for name in (name for name in names if name.endswith("optimizer")):
+        optimiser = model
+        for part in name.split("."):
+            optimiser = getattr(optimiser, part)
+        for weights, moments in optimiser.state.items():
+            for key, moment in moments.items():
+                if isinstance(moment, torch.Tensor) and moment.shape not in ((), weights.shape):
+                    raise ValueError(f"{name}: {key} has shape {tuple(moment.shape)}")
+
+
+def _check_state(state: dict[str, Any], model: BaseAlgorithm, file: Path) -> None:
+    """Refuse counters, normaliser and price that are not as `save_checkpoint` writes them."""
+    env = model.get_vec_normalize_env()
+    wanted = {"samples", "price", "obs_rms", "ret_rms"}
+    if missing := sorted(wanted - set(state)):
+        raise ConfigError(f"{file}: {_STATE} has no {missing[0]!r}")
+    samples = state["samples"]
+    if not isinstance(samples, int) or isinstance(samples, bool) or not 0 <= samples < 1 << 53:
+        raise ConfigError(f"{file}: samples = {shown(samples)}: allowed is 0 or more")
+    for name in ("obs_rms", "ret_rms"):
+        _check_statistics(f"{file}: {name}", state[name], np.shape(getattr(env, name).mean))
+    price = form_env(env).price.state()
+    if not isinstance(state["price"], dict) or set(state["price"]) != set(price):
+        raise ConfigError(f"{file}: price = {shown(state['price'])}: needed are {sorted(price)}")
+    for name, value in state["price"].items():
+        check_number(f"{file}: price.{name}", value, 0.0, math.inf)
+
+
+def _check_statistics(where: str, saved: Any, shape: tuple[int, ...]) -> None:
+    if not isinstance(saved, dict) or not {"mean", "var", "count"} <= set(saved):
+        raise ConfigError(f"{where} = {shown(saved)}: needed are mean, var and count")
+    for key, low in (("mean", None), ("var", 0.0)):
+        with read_as(where, "numbers"):
+            array = np.array(saved[key])
+        check_array(f"{where}.{key}", array, shape, *(() if low is None else (low,)))
+    check_number(f"{where}.count", saved["count"], 0.0, 1e18)

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, build, merged, nearest
+from ship_gym.config import ConfigError, build, merged, nearest, shown, told_of
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.evaluation.metrics import metrics_of
-from ship_gym.reading import read_text, read_toml
+from ship_gym.keys import Keys
+from ship_gym.reading import read_toml
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym_agents.forms.helm import Helm
+from ship_gym_agents.plugins import check_no_code
 from ship_gym_agents.sb3.options import OPTIONS
+from ship_gym_agents.sb3.run_card import CARD_FILE, read_run_card
 from ship_gym_agents.sb3.sections import (
     SECTIONS,
     Hyperparameters,
@@ -26,9 +30,24 @@ from ship_gym_agents.sb3.sections import (
 
 __all__ = ["OPTIONS", "Hyperparameters", "RunConfig", "load_hyperparameters", "run_config"]
 
-CARD_FILE = "card.json"
 RECIPES = Path(__file__).parents[1] / "recipes"
-_RECIPE_KEYS = ("algo", "scenario", "ship", "control", "seed", "overrides", *SECTIONS)
+
+
+@dataclasses.dataclass(frozen=True)
+class _Recipe:
+    """Keys of a recipe; what they mean is checked where they are used."""
+
+    algo: str = "ppo"
+    scenario: str = ""
+    ship: str = ""
+    control: str = ""
+    seed: int = 0
+    overrides: dict[str, Any] = dataclasses.field(default_factory=dict)
+    form: dict[str, Any] = dataclasses.field(default_factory=dict)
+    training: dict[str, Any] = dataclasses.field(default_factory=dict)
+    network: dict[str, Any] = dataclasses.field(default_factory=dict)
+    algorithm: dict[str, Any] = dataclasses.field(default_factory=dict)
+    price: dict[str, Any] = dataclasses.field(default_factory=dict)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -87,18 +106,42 @@ def run_config(
     ConfigError
         Anything unknown or not allowed.
     """
+    more = (algorithm, scenario, ship, control, privileged, overrides, hyperparameters, settings)
     plan = {} if recipe is None else load_recipe(recipe)
-    own = algorithm_name(plan.get("algo", "ppo"))
-    name = own if algorithm is None else algorithm_name(algorithm)
-    given = {"scenario": scenario, "ship": ship, "control": control, "seed": seed}
-    plan |= {key: value for key, value in given.items() if value is not None}
+    # With anything given beside it, what is wrong need not be of the recipe.
+    alone = recipe is not None and not any((*more, envs, seed))
+    with told_of(Path(recipe).name) if alone else contextlib.nullcontext():
+        own = algorithm_name(plan.get("algo", "ppo"))
+        name = own if algorithm is None else algorithm_name(algorithm)
+        given = {"scenario": scenario, "ship": ship, "control": control, "seed": seed}
+        plan |= {key: value for key, value in given.items() if value is not None}
+        resolved = _scenario_of(plan, privileged, overrides or {})
+        source = {key: plan[key] for key in SECTIONS if key in plan}
+        if name != own:
+            source.pop("algorithm", None)
+        source = merged(source, partial(hyperparameters))
+        files = [str(Path(f).name) for f in (recipe, hyperparameters) if isinstance(f, str | Path)]
+        hyper = load_hyperparameters(
+            name, source, envs, task=resolved.task, settings=settings, where=", ".join(files)
+        )
+        _check_sailing(name, resolved, hyper)
+        seed = plan.get("seed", 0)
+        if not isinstance(seed, int) or isinstance(seed, bool) or not 0 <= seed < 2**32:
+            raise ConfigError(f"seed = {shown(seed)}: must be a whole number, 0 to {2**32 - 1}")
+        return RunConfig(name, resolved, seed, hyper)
+
+
+def _scenario_of(
+    plan: Mapping[str, Any], privileged: bool | None, overrides: Mapping[str, Any]
+) -> Scenario:
+    """The scenario of a plan; refused if no policy can learn in it."""
     resolved, _ = resolved_scenario(
         plan.get("scenario", "heading_keeping"),
         plan.get("ship"),
         plan.get("control"),
         None,
         privileged,
-        {**plan.get("overrides", {}), **(overrides or {})},
+        {**plan.get("overrides", {}), **overrides},
     )
     if resolved.privileged:
         raise ConfigError(
@@ -106,28 +149,16 @@ def run_config(
             "with training.critic = 'privileged'"
         )
     metrics_of(resolved.task)  # refuses a task that no validation can judge
-    source = {key: plan[key] for key in SECTIONS if key in plan}
-    if name != own:
-        source.pop("algorithm", None)
-    source = merged(source, partial(hyperparameters))
-    files = [str(Path(f).name) for f in (recipe, hyperparameters) if isinstance(f, str | Path)]
-    hyper = load_hyperparameters(
-        name, source, envs, task=resolved.task, settings=settings, where=", ".join(files)
-    )
-    if name == "gauss_newton" and not hyper.form.base:
+    return resolved
+
+
+def _check_sailing(algorithm: str, scenario: Scenario, hyper: Hyperparameters) -> None:
+    """Refuse now what the ships, the form or the overrides of training would be refused for."""
+    if algorithm == "gauss_newton" and not hyper.form.base:
         raise ConfigError(
             "form.base is empty: gauss_newton corrects a classical autopilot; allowed is a form on "
             "a base, as in --recipe heading_gauss_newton"
         )
-    _check_sailing(resolved, hyper)
-    seed = plan.get("seed", 0)
-    if seed < 0:
-        raise ConfigError(f"seed = {seed}: must not be negative")
-    return RunConfig(name, resolved, seed, hyper)
-
-
-def _check_sailing(scenario: Scenario, hyper: Hyperparameters) -> None:
-    """Refuse now what the ships, the form or the overrides of training would be refused for."""
     training = load_scenario(scenario, hyper.training.overrides)
     for ship in {scenario.ship, *hyper.training.ships}:
         Helm(hyper.form).reset(1, load_ship(ship, surrogate=scenario.surrogate), training)
@@ -156,23 +187,29 @@ def load_recipe(name_or_path: str | Path) -> dict[str, Any]:
     if path.suffix != ".toml":
         names = available_recipes()
         if str(name_or_path) not in names:
-            raise ConfigError(f"unknown recipe {str(name_or_path)!r};{nearest(path.name, names)}")
+            raise ConfigError(
+                f"unknown recipe {shown(str(name_or_path))};{nearest(path.name, names)}"
+            )
         path = RECIPES / f"{name_or_path}.toml"
     values = read_toml(path)
-    for key in values:
-        if key not in _RECIPE_KEYS:
-            raise ConfigError(f"{path.name}: unknown key {key!r};{nearest(key, _RECIPE_KEYS)}")
-    partial({key: values[key] for key in SECTIONS if key in values}, path.name)
+    build(_Recipe, values, path.name)
     return values
 
 
 def load_config(out: str | Path) -> RunConfig:
-    """Config of the run in a folder, from its card."""
-    values = dict(read_card(Path(out))["config"])
-    scenario = load_scenario(values["scenario"])
-    hyper = load_hyperparameters(values["algorithm"], values["hyperparameters"])
-    values |= {"scenario": scenario, "hyperparameters": hyper}
-    return build(RunConfig, values, str(Path(out) / CARD_FILE))
+    """Config of the run in a folder, from its card; one that steers by Python is refused.
+
+    Who trains by an autopilot of one's own names it; a card, which may be anybody's, does not.
+    """
+    file = Path(out) / CARD_FILE
+    config = Keys(read_card(Path(out)), str(file)).table("config")
+    algorithm, sections = config.text("algorithm"), config.table("hyperparameters").values
+    with told_of(file):
+        scenario = load_scenario(config.table("scenario").values)
+        hyper = load_hyperparameters(algorithm, sections)
+    check_no_code(hyper.form.base, file, "train anew, into another folder")
+    values = {**config.values, "scenario": scenario, "hyperparameters": hyper}
+    return build(RunConfig, values, str(file))
 
 
 def read_card(out: Path) -> dict[str, Any]:
@@ -180,10 +217,7 @@ def read_card(out: Path) -> dict[str, Any]:
     file = out / CARD_FILE
     if not file.is_file():
         raise ConfigError(f"{out}: no run to resume here (no {CARD_FILE})")
-    try:
-        return json.loads(read_text(file))
-    except json.JSONDecodeError as error:
-        raise ConfigError(f"{file}: not valid JSON: {error}") from None
+    return read_run_card(file)
 
 
 def is_config_of(out: str | Path, config: RunConfig) -> bool:

@@ -11,7 +11,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, build, check_known, check_number, merged, nearest
+from ship_gym.config import (
+    ConfigError,
+    build,
+    check_known,
+    check_number,
+    merged,
+    nearest,
+    shown,
+    told_of,
+)
 from ship_gym.reading import read_toml
 from ship_gym_agents.forms.form import Form
 from ship_gym_agents.sb3.options import (
@@ -151,8 +160,8 @@ class Price:
                 check_number("price.limit", float(self.limit), 1e-6, 1e6, "deg/h")
             except ValueError as error:
                 raise ConfigError(
-                    f"price.limit = {self.limit!r}: allowed is 'base', a number of deg/h above 0, "
-                    "or '' for a fixed price"
+                    f"price.limit = {shown(self.limit)}: allowed is 'base', a number of deg/h "
+                    "above 0, or '' for a fixed price"
                 ) from error
         if self.limit and not self.rate:
             raise ConfigError("price.limit without price.rate: allowed is a rate above 0")
@@ -231,10 +240,12 @@ def _hyperparameters(algorithm: str, values: Mapping[str, Any], where: str) -> H
     made = {key: dict(values.get(key, {})) for key in SECTIONS}
     limit = made["price"].get("limit")
     if isinstance(limit, int | float) and not isinstance(limit, bool):
+        limit = check_number(f"{where}: price.limit", limit, unit="deg/h")
         made["price"]["limit"] = f"{limit:g}"
     made["algorithm"] = build(OPTIONS[algorithm], made["algorithm"], f"{where}: algorithm")
     hyper = build(Hyperparameters, made, where)
-    _check_together(algorithm, hyper)
+    with told_of(where):
+        _check_together(algorithm, hyper)
     return hyper
 
 
@@ -246,9 +257,9 @@ def partial(
         where, source = Path(source).name, read_toml(source)
     for key, section in (source or {}).items():
         if key not in SECTIONS:
-            raise ConfigError(f"{where}: unknown section {key!r};{nearest(key, SECTIONS)}")
+            raise ConfigError(f"{where}: unknown section {shown(key)};{nearest(key, SECTIONS)}")
         if not isinstance(section, Mapping):
-            raise ConfigError(f"{where}: {key} = {section!r}: must be a section [{key}]")
+            raise ConfigError(f"{where}: {key} = {shown(section)}: must be a section [{key}]")
     return source or {}
 
 
@@ -259,7 +270,7 @@ def _nested(settings: Mapping[str, Any]) -> dict[str, Any]:
         section, _, key = str(dotted).partition(".")
         if section not in SECTIONS or not key:
             raise ConfigError(
-                f"setting {dotted!r}: must be section.key, as in training.gamma; sections are "
+                f"setting {shown(dotted)}: must be section.key, as in training.gamma; sections are "
                 f"{', '.join(SECTIONS)}"
             )
         first, _, rest = key.partition(".")

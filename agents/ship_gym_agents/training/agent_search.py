@@ -17,7 +17,9 @@ from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.evaluation.engines import Work, engine_of
 from ship_gym.evaluation.splits import tuning_seeds
+from ship_gym.keys import Keys, read_keys
 from ship_gym.provenance import atomic_path, provenance
+from ship_gym.reading import read_as
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training.run import Report
 from ship_gym_agents.training.score import score_of, validate
@@ -81,6 +83,7 @@ def search(
     with held(out):
         _check_score(plan)
         _check_earlier(plan, out, resume)
+        _mend_journal(out / JOURNAL)
         study = _study(plan, out, 0)
         _clean(study, plan)
         ended = len(trials_of(plan, out))
@@ -107,7 +110,7 @@ def _check_earlier(plan: Plan, out: Path, resume: bool) -> None:
     if file.is_file():
         if not resume:
             raise ConfigError(f"{out} holds a search; resume it or choose another folder")
-        before = json.loads(file.read_text(encoding="utf-8"))["plan"]
+        before = read_keys(file).table("plan").values
         different = sorted(key for key in plan.plain if plan.plain[key] != before.get(key))
         if different:
             raise ConfigError(
@@ -116,6 +119,18 @@ def _check_earlier(plan: Plan, out: Path, resume: bool) -> None:
     with atomic_path(file) as temporary:
         told = {"plan": plan.plain, **provenance()}
         temporary.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+
+
+def _mend_journal(file: Path) -> None:
+    """Take what a killed search left in Optuna's journal: half a line, and its lock.
+
+    Nobody else writes it: the folder of the search is held.
+    """
+    for lock in file.parent.glob(f"{file.name}.lock*"):
+        lock.unlink(missing_ok=True)
+    if file.is_file() and not (data := file.read_bytes()).endswith(b"\n"):
+        with file.open("r+b") as journal:
+            journal.truncate(data.rfind(b"\n") + 1)
 
 
 def _study(plan: Plan, out: Path, number: int) -> Any:
@@ -131,16 +146,19 @@ def _study(plan: Plan, out: Path, number: int) -> Any:
         "hyperband": optuna.pruners.HyperbandPruner(1, validations, 3),
         "none": optuna.pruners.NopPruner(),
     }[plan.pruner]
-    return optuna.create_study(
-        study_name=_NAME,
-        storage=optuna.storages.JournalStorage(journal),
-        sampler=optuna.samplers.TPESampler(
-            n_startup_trials=_STARTUP, seed=(1 + config.seed) * 100_003 + number
-        ),
-        pruner=pruner,
-        direction="maximize" if score_of(config.scenario).better == "higher" else "minimize",
-        load_if_exists=True,
+    sampler = optuna.samplers.TPESampler(
+        n_startup_trials=_STARTUP, seed=(1 + config.seed) * 100_003 + number
     )
+    direction = "maximize" if score_of(config.scenario).better == "higher" else "minimize"
+    with read_as(out / JOURNAL, "the journal of a search"):
+        return optuna.create_study(
+            study_name=_NAME,
+            storage=optuna.storages.JournalStorage(journal),
+            sampler=sampler,
+            pruner=pruner,
+            direction=direction,
+            load_if_exists=True,
+        )
 
 
 def _clean(study: Any, plan: Plan) -> None:
@@ -166,16 +184,16 @@ def _ended(study: Any, numbers: slice = slice(None)) -> list[Trial]:
     states = {TrialState.COMPLETE: "complete", TrialState.PRUNED: "pruned"}
     found = []
     for trial in study.get_trials(deepcopy=False)[numbers]:
-        own = trial.user_attrs
+        own = Keys(trial.user_attrs, JOURNAL, f"trial {trial.number}")
         if trial.state in states:
             shown = list(trial.intermediate_values.values())
             score = trial.value if trial.state is TrialState.COMPLETE else (shown or [None])[-1]
-            each, means = own.get("each", []), own.get("means", {})
-            state = states[trial.state]
-            found.append(Trial(trial.number, state, own["settings"], score, each, means))
-        elif "refused" in own:
-            note = own["refused"]
-            found.append(Trial(trial.number, "refused", own["settings"], None, [], {}, note))
+            each, means = own.items("each", []), dict(own.table("means", {}).values)
+            settings = dict(own.table("settings").values)
+            found.append(Trial(trial.number, states[trial.state], settings, score, each, means))
+        elif note := own.text("refused", ""):
+            settings = dict(own.table("settings").values)
+            found.append(Trial(trial.number, "refused", settings, None, [], {}, note))
     return found
 
 

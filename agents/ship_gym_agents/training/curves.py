@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from ship_gym.plain_csv import read_plain_csv
 from ship_gym.provenance import atomic_path
-from ship_gym_agents.sb3.config import CARD_FILE
-from ship_gym_agents.training.run_folder import CURVE_FILE, CURVE_PICTURE
+from ship_gym_agents.sb3.run_card import CARD_FILE, read_run_card
+
+CURVE_FILE, CURVE_PICTURE = "curve.csv", "curve.png"
 
 
 def write_curve(validations: Sequence[Mapping[str, Any]], path: str | Path) -> None:
@@ -25,10 +26,17 @@ def write_curve(validations: Sequence[Mapping[str, Any]], path: str | Path) -> N
 
 
 def read_curve(path: str | Path) -> dict[str, list[float | None]]:
-    """Columns of a curve by name."""
-    with Path(path).open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    return {n: [float(row[n]) if row[n] else None for row in rows] for n in (rows or [{}])[0]}
+    """Columns of a curve by name; a wrong cell is refused with its line."""
+    table = read_plain_csv(path, least=0)
+    return {name: table.maybe_numbers(name) for name in table.columns if table.lines}
+
+
+def is_stale(folder: str | Path) -> bool:
+    """Whether the picture of a run is older than its curve, or missing."""
+    curve, picture = (Path(folder) / name for name in (CURVE_FILE, CURVE_PICTURE))
+    if not curve.is_file():
+        return False
+    return not picture.is_file() or picture.stat().st_mtime_ns < curve.stat().st_mtime_ns
 
 
 def draw_curves(out: str | Path, folders: Sequence[str | Path] | None = None) -> Path | None:
@@ -52,7 +60,7 @@ def draw_curves(out: str | Path, folders: Sequence[str | Path] | None = None) ->
         return None
     from ship_gym.plotting.learning_curve import plot_learning_curves  # late: it takes a second
 
-    card = json.loads((runs[0] / CARD_FILE).read_text(encoding="utf-8"))
+    card = read_run_card(runs[0] / CARD_FILE)
     scenario = card["config"]["scenario"]
     measure = card["measure"]
     first, last = card["validation_seeds"]
@@ -65,6 +73,6 @@ def draw_curves(out: str | Path, folders: Sequence[str | Path] | None = None) ->
         path,
         f"{card['config']['algorithm']}, {scenario['task']}, {scenario['ship']}",
         f"mean of {last - first + 1} validation seas, the same for all",
-        {name: each["validation"] for name, each in references.items()},
+        {name: each["validation"] for name, each in references.items() if each.get("validation")},
     )
     return path

@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError
+from ship_gym.config import LARGEST, ConfigError
+from ship_gym.reading import check_array, read_as, read_npz
 from ship_gym_agents.policies.networks import Mlp
 from ship_gym_agents.policies.normaliser import Normaliser
 from ship_gym_agents.policies.policy import Policy
@@ -30,6 +31,7 @@ _FIRST_DAMPING = 1e-2
 _LEAST_GAIN = 1e-4  # of the cost, in an iteration
 _PATIENCE = 2  # iterations that gain less end the run
 _STATE = "gauss_newton.npz"
+_SAVED = ("vector", "mean", "scale", "limit", "weights", "counts", "damping")
 
 
 def learn(
@@ -157,25 +159,42 @@ class _Search:
             weights=weights,
             counts=np.array([self._iterations, self._idle, self.samples]),
             damping=np.array(self._damping),
+            cost=np.array(np.nan if self._cost is None else self._cost),
         )
 
     def _load(self, file: Path) -> None:
-        with np.load(file, allow_pickle=False) as state:
-            self._vector, self._damping = state["vector"], float(state["damping"])
+        state = read_npz(file, *_SAVED, what="a state of Gauss-Newton")
+        seen = (len(self._voyages.helm.names),)
+        shapes = {"vector": (self._layout.size,), "mean": seen, "scale": seen, "counts": (3,)}
+        shapes |= {"limit": (), "damping": (), "weights": (len(self._voyages.seeds),)}
+        if state["weights"].shape == (0,):  # the episodes were not weighed yet
+            shapes["weights"] = (0,)
+        for name, shape in shapes.items():
+            low = 0.0 if name in ("counts", "damping", "weights") else -LARGEST
+            check_array(f"{file}: {name}", state[name], shape, low)
+        self._vector, self._damping = state["vector"], float(state["damping"])
+        with read_as(file, "a state of Gauss-Newton"):
             self._normaliser = Normaliser(state["mean"], state["scale"], float(state["limit"]))
-            self._iterations, self._idle, self._sailed_before = state["counts"].tolist()
+            self._iterations, self._idle, self._sailed_before = map(int, state["counts"].tolist())
             weights = state["weights"]
+            cost = float(state["cost"]) if "cost" in state else np.nan  # older ones have none
         self._weights = weights if len(weights) else None
-        self._base = self._cost = None
+        self._base, self._cost = None, None if np.isnan(cost) else cost
 
     def _need_normaliser(self) -> None:
         if self._normaliser is None:
             self._normaliser = self._voyages.scales(self._network(self._vector))
 
     def _begin(self) -> None:
-        """Sail the present weights; the first time, weigh the episodes."""
+        """Sail the present weights; the first time, weigh the episodes.
+
+        What an earlier part of the run has sailed already is not counted again.
+        """
         self._need_normaliser()
+        before = self._voyages.samples
         sailed = self._voyages.sail([self._network(self._vector)], self._normaliser)
+        if self._cost is not None:
+            self._sailed_before -= self._voyages.samples - before
         if self._weights is None:
             self._weights = self._weighed(np.square(sailed[0], dtype=np.float64).sum(axis=1))
         self._base = self._flat(sailed)[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from pathlib import Path
 
+from ship_gym.provenance import sweep
 from ship_gym.recording.trajectory import Trajectory
 
 FOLDER = "episodes"  # of the run's folder
@@ -55,11 +56,20 @@ class Recordings:
         for old in self._files()[:-KEPT]:
             old.unlink(missing_ok=True)
 
-    def clear(self) -> None:
-        """Remove the recordings of a run that begins anew."""
+    def keep_first(self, count: int) -> None:
+        """Remove recordings of later validations than of so many, which a kill has undone."""
+        sweep(self.folder)
         for file in self._files():
-            file.unlink(missing_ok=True)
+            if _number(file) > count:
+                file.unlink(missing_ok=True)
 
     def _files(self) -> list[Path]:
         """The recordings, the oldest first."""
-        return sorted(self.folder.glob("validation_*.rrd"))
+        found = self.folder.glob("validation_*.rrd")
+        return sorted((file for file in found if _number(file)), key=_number)
+
+
+def _number(file: Path) -> int:
+    """Number of the validation that a recording is of; 0: the file is none of ours."""
+    text = file.stem.removeprefix("validation_")
+    return int(text) if text.isdecimal() else 0

@@ -1,8 +1,8 @@
 """Run: what every training run keeps, whatever learns in it.
 
 A learner (stable-baselines3, Gauss-Newton) calls `Run.between` between two updates; all that is due
-then happens there and is not charged to the budget: validations, the best policy, checkpoints. What
-can be lost by a kill is what was learned since the last checkpoint.
+then happens there and is not charged to the budget: validations and checkpoints, each of which has
+the best policy, too. What can be lost by a kill is what was learned since the last checkpoint.
 """
 
 from __future__ import annotations
@@ -20,9 +20,8 @@ from ship_gym_agents.controllers import make_controller
 from ship_gym_agents.policies.policy_file import POLICY_FILE, load_policy, save_policy
 from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, check_free, is_config_of, plain
 from ship_gym_agents.training.budget import Budget
-from ship_gym_agents.training.curves import write_curve
 from ship_gym_agents.training.recordings import Recordings
-from ship_gym_agents.training.run_folder import CURVE_FILE, TrainingFolder
+from ship_gym_agents.training.run_folder import TrainingFolder
 from ship_gym_agents.training.score import Validation, score_of, validate
 
 EPISODES = (64, 32, 16)  # of a validation: as many as the budget bears
@@ -114,7 +113,7 @@ class Run:
         state = self.folder.state()
         if state is None:
             self.folder.clear()
-            self._recordings.clear()
+        self._recordings.keep_first(len(state["validations"]) if state else 0)
         return state
 
     @property
@@ -223,7 +222,8 @@ class Run:
     def _interval(self) -> float:
         return self.config.hyperparameters.training.checkpoint
 
-    def _keep(self, save: Callable[[Path], None]) -> None:
+    def _keep(self, save: Callable[[Path], None], status: str = "running") -> None:
+        """Write all that there is as a new generation of the folder."""
         state = {
             "samples": self.samples,
             "seconds": self.budget.seconds,
@@ -232,9 +232,10 @@ class Run:
             "validated": self._validated,
             "validations": self.validations,
         }
-        with self.folder.new_checkpoint(state) as folder:
+        with self.folder.new_checkpoint(state, self._card(status)) as folder:
             save(folder)
-        self.write("running")
+            if self.best is not None:
+                save_policy(self.best, folder / POLICY_FILE)
         self._kept = time.monotonic()
 
     def _validate(self, policy: Any, learner: dict[str, float]) -> dict[str, Any]:
@@ -251,8 +252,7 @@ class Run:
         self.validations.append(found)
         if self.chosen is None or self.score.key(found) < self.score.key(self.chosen):
             self.best, self.chosen = policy, found
-            self._save_best("running")
-        write_curve(self.validations, self.folder.path / CURVE_FILE)
+            self._describe_best("running")
         return found
 
     def end(
@@ -272,10 +272,11 @@ class Run:
             self._keep(save)
             if judge is not None:
                 self.final = judge(self.best)
-            self._save_best("complete")
+            self._describe_best("complete")
+            self._keep(save, "complete")
         if self._report:
             self._report(1.0, found[self.score.name])
-        return self.write("complete")
+        return self.folder.card()
 
     @contextlib.contextmanager
     def broken_off(
@@ -295,19 +296,16 @@ class Run:
         except BaseException as stop:
             self.samples = samples()
             with self.budget.uncharged():
-                self._keep(save)
-                self.write(status_of(stop))
+                self._keep(save, status_of(stop))
             raise
 
-    def _save_best(self, status: str) -> None:
+    def _describe_best(self, status: str) -> None:
+        """Let the best policy tell of the run as it is now."""
         self.best.card = {**self.best.card, **self._card(status)}
-        save_policy(self.best, self.folder.path / POLICY_FILE)
 
-    def write(self, status: str) -> dict[str, Any]:
-        """Write the card and return it."""
-        card = self._card(status)
-        self.folder.write_card(card)
-        return card
+    def write(self, status: str) -> None:
+        """Write the card."""
+        self.folder.write_card(self._card(status))
 
     def _card(self, status: str) -> dict[str, Any]:
         budget = self.budget

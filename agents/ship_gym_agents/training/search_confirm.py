@@ -11,8 +11,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ship_gym.config import check_number
 from ship_gym.evaluation.engines import Work, engine_of
 from ship_gym.evaluation.splits import tuning_seeds
+from ship_gym.keys import read_keys
 from ship_gym.provenance import atomic_path
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training.score import score_of
@@ -91,9 +93,9 @@ def _do_confirm(job: _Job) -> list[float | None]:
     file = folder / "each.json"
     key = json.loads(json.dumps(dict(job.settings)))
     if file.is_file():
-        found = json.loads(file.read_text(encoding="utf-8"))
-        if found["settings"] == key:
-            return found["each"]
+        found = read_keys(file)
+        if found.table("settings").values == key:
+            return [None if v is None else check_number(str(file), v) for v in found.items("each")]
     given = with_settings(plan.given, job.settings)
     config = run_config(**given)
     given["seed"] = config.seed + _FRESH + job.number

@@ -7,14 +7,14 @@ import dataclasses
 import json
 import shutil
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ship_gym.config import check_known, check_number
-from ship_gym.provenance import locked
+from ship_gym.provenance import locked, sweep
 from ship_gym_agents.policies.policy_file import load_policy
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training.budget import Budget
@@ -145,6 +145,9 @@ def mean_of(values: Sequence[float | None]) -> float | None:
     return float(np.mean(known)) if known else None
 
 
-def held(out: Path) -> contextlib.AbstractContextManager[None]:
+@contextlib.contextmanager
+def held(out: Path) -> Iterator[None]:
     """Hold the folder of a search; refused while another process does."""
-    return locked(out / "lock", "searches in this folder")
+    with locked(out / "lock", "searches in this folder"):
+        sweep(out)
+        yield

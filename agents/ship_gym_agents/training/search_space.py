@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, check_known
+from ship_gym.config import ConfigError, check_known, check_number, shown
 from ship_gym.reading import read_toml
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.sb3.sections import partial
@@ -42,11 +41,16 @@ class Range:
 
     def __post_init__(self):
         ends = (self.low, self.high)
+        for name in ("low", "high"):
+            if getattr(self, name) is not None:
+                check_number(name, getattr(self, name))
+        if not isinstance(self.log, bool):
+            raise ConfigError(f"log = {shown(self.log)}: must be true or false")
         if self.choices:
             if ends != (None, None) or self.log:
                 raise ConfigError("choices beside low, high or log: allowed is one or the other")
             return
-        if None in ends or not (all(map(math.isfinite, ends)) and self.low < self.high):
+        if None in ends or not self.low < self.high:
             raise ConfigError(f"low = {self.low}, high = {self.high}: needed are low < high")
         if self.log and self.low <= 0.0:
             raise ConfigError(f"low = {self.low} with log = true: allowed is low above 0")
@@ -108,7 +112,9 @@ def load_ranges(algorithm: str, source: str | Path | None, given: Mapping[str, A
         for key, range_ in keys.items():
             name = f"{section}.{key}"
             if not isinstance(range_, Mapping):
-                raise ConfigError(f"{file.name}: {name} = {range_!r}: must be low, high or choices")
+                raise ConfigError(
+                    f"{file.name}: {name} = {shown(range_)}: must be low, high or choices"
+                )
             found[name] = _checked(name, range_, given, file.name)
     if not found:
         raise ConfigError(f"{file}: names no range to search")
@@ -120,14 +126,16 @@ def _checked(name: str, values: Mapping[str, Any], given: Mapping[str, Any], fil
     try:
         for key in values:
             check_known("key of a range", key, [field.name for field in dataclasses.fields(Range)])
-        made = Range(**{**values, "choices": tuple(values.get("choices", ()))})
-    except (ConfigError, TypeError) as error:
+        if not isinstance(choices := values.get("choices", []), list):
+            raise ConfigError(f"choices = {shown(choices)}: must be a list")
+        made = Range(**{**values, "choices": tuple(choices)})
+    except ConfigError as error:
         raise ConfigError(f"{file}: {name}: {error}") from None
     for value in made.samples:
         try:
             run_config(**with_settings(given, {name: value}))
         except ConfigError as error:
-            raise ConfigError(f"{file}: {name} with {value}: {error}") from None
+            raise ConfigError(f"{file}: {name} with {shown(value)}: {error}") from None
     return made
 
 

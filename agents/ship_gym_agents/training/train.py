@@ -16,7 +16,7 @@ from ship_gym.config import ConfigError
 from ship_gym_agents.controllers import shipped_file
 from ship_gym_agents.policies.policy_file import load_policy
 from ship_gym_agents.sb3.config import RunConfig
-from ship_gym_agents.training.curves import draw_curves
+from ship_gym_agents.training.curves import draw_curves, is_stale
 from ship_gym_agents.training.final import judge
 from ship_gym_agents.training.run import Report, Run
 from ship_gym_agents.training.run_folder import TrainingFolder
@@ -84,7 +84,12 @@ def train(
     with folder.locked():
         init = beginning(folder, init, resume)
         told = {"command": command, "init": init}
-        run = Run(config, folder, minutes, steps, resume, told, report)
+        try:
+            run = Run(config, folder, minutes, steps, resume, told, report)
+        except ConfigError:
+            if resume and is_stale(folder.path):  # killed while it was drawn
+                draw_curves(folder.path)
+            raise
         try:
             learn, own = _learner(config.algorithm), _file(init)
             return learn(run, own, bar, _judge(run) if final else None)

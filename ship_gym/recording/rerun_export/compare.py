@@ -37,7 +37,7 @@ from ship_gym.recording.rerun_export.picture import (
 from ship_gym.recording.rerun_export.rows import send_chosen, shown_rows, slow_rows
 from ship_gym.recording.rerun_export.rrd_file import COMPARISON, read_chunks
 from ship_gym.recording.rerun_export.water import send_water
-from ship_gym.recording.sealed import DamagedRecording, seal
+from ship_gym.recording.sealed import DamagedRecording, damage_told, seal
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.wave_grid import wave_grid
 
@@ -90,7 +90,11 @@ def read_comparison(path: str | os.PathLike) -> dict[str, Any]:
     """
     for chunk in read_chunks(path):
         if chunk.entity_path == COMPARISON:
-            return json.loads(chunk.to_record_batch().column(f"{_HEAD}:json")[0][0].as_py())
+            with damage_told(path):
+                head = json.loads(chunk.to_record_batch().column(f"{_HEAD}:json")[0][0].as_py())
+                if not isinstance(head["sources"], list):
+                    raise ValueError("its sources are no list")
+                return head
     raise DamagedRecording(f"{path} is no comparison of runs")
 
 

@@ -31,7 +31,7 @@ from ship_gym.recording.rerun_export.log import (
     new_stream,
 )
 from ship_gym.recording.rerun_export.picture import send_picture
-from ship_gym.recording.sealed import DamagedRecording, seal, verify
+from ship_gym.recording.sealed import DamagedRecording, damage_told, seal, verify
 from ship_gym.recording.trajectory import Trajectory
 
 _FORMAT = 2  # of /record; a reader refuses what it does not know
@@ -143,6 +143,11 @@ def read_rrd(
         If the file is not as it was written, or is not a recording of Ship Gym.
     """
     path = Path(path)
+    with damage_told(path):
+        return _read(path, sealed)
+
+
+def _read(path: Path, sealed: bool):
     if not path.is_file():
         partial = path.with_name(path.name + ".partial")
         more = f"; a run that was broken off left {partial}" if partial.is_file() else ""
@@ -253,3 +258,7 @@ def _chunks(file: str | os.PathLike, path: str | os.PathLike) -> list[Chunk]:
             return RrdReader(file).stream().to_chunks()
         except (RuntimeError, ValueError, OSError) as error:
             raise DamagedRecording(f"{path} is not a readable .rrd file: {error}") from error
+        except BaseException as error:
+            if type(error).__name__ != "PanicException":  # of Rust; it is no Exception
+                raise
+            raise DamagedRecording(f"{path} is not a readable .rrd file: {error}") from None

@@ -16,6 +16,7 @@ from ship_gym_agents.entrants import entrant
 from ship_gym_agents.forms.form import Form
 from ship_gym_agents.gains_files import tuned_files
 from ship_gym_agents.policies import policy_file
+from ship_gym_agents.policies.networks import Mlp, check_reach
 from ship_gym_agents.policies.old_zip import is_old, load_old
 from ship_gym_agents.policies.policy_file import (
     POLICY_FILE,
@@ -127,16 +128,36 @@ DAMAGE = {
     "format": (changed("format", 3), "of format 3; this version reads 2"),
     "no JSON": (changed("text", "{"), "not a policy, or damaged"),
     "a list": (changed("text", "[1]"), "not a policy, or damaged"),
-    "deep": (changed("text", "[" * 100_000), "not a policy, or damaged"),
-    "card": (changed("card", [1]), "not a policy, or damaged"),
+    "deep": (changed("text", "[" * 100_000), "not a policy: nested too deep"),
+    "card": (changed("card", [1]), "card = [1]: must be a table of keys"),
+    "no card": (changed("text", '{"format": 2, "digest": "0"}'), "no 'card'"),
+    "no digest": (changed("text", '{"format": 2, "card": {}}'), "no 'digest'"),
+    "no format": (lambda head, tensors: head.pop("format"), "of format None; this version reads 2"),
+    "name": (put("name", ["a"]), "card.name = ['a']: must be of type str"),
+    "long name": (put("name", "a" * 300), "card.name = 'aaa"),
+    "names": (put("features", 7), "card.features = 7: must be of type list"),
+    "names of what": (put("decisions", [{}]), "card.decisions = [{}]: must be a list of names"),
+    "no normaliser": (put("normaliser", {}), "card.normaliser has no 'limit'"),
+    "limit": (put("normaliser", {"limit": float("nan")}), "normaliser.limit = None: must be a"),
+    "text for limit": (put("normaliser", {"limit": "10"}), "normaliser.limit = '10': must be a"),
+    "config": (put("config", [1]), "card.config = [1]: must be a table of keys"),
+    "scenario": (put("config", {"scenario": 1}), "card.config.scenario must be a table"),
     "digest": (changed("digest", "0"), "digest"),
     "form": (put("form", {"action": "direct", "evry": 2}), "did you mean 'every'"),
     "features": (put("features", ["yaw_rate"]), "1 features"),
-    "network": (put("network", {}), "'kind' is missing"),
-    "no array": (lambda head, tensors: tensors.pop("bias_1"), "'bias_1' is missing"),
+    "network": (put("network", {}), "card.network has no 'kind'"),
+    "no array": (lambda head, tensors: tensors.pop("bias_1"), "no 'bias_1'"),
     "shape": (lambda head, tensors: tensors.update(bias_0=np.zeros(3)), "bias_0 has shape"),
     "numbers": (nan, "weight_0 is not finite"),
     "scale": (lambda head, tensors: tensors.update(scale=np.zeros(9)), "must be positive"),
+    "no scale": (lambda head, tensors: tensors.pop("scale"), "no 'scale'"),
+    "nan scale": (lambda head, tensors: tensors.update(scale=np.full(9, np.nan)), "not finite"),
+    "huge mean": (lambda head, tensors: tensors.update(mean=np.full(9, 1e300)), "at most 1e+30"),
+    "flags": (lambda head, tensors: tensors.update(mean=np.zeros(9, bool)), "mean is of type bool"),
+    "hidden": (
+        lambda head, tensors: head["card"]["network"].update(hidden=[1]),
+        "hidden = [1]: its layers have",
+    ),
 }
 
 
@@ -169,10 +190,27 @@ def test_folders_of_several_seeds(tmp_path, file):
     assert [folder.name for folder in seed_folders(tmp_path / "run")] == [
         "seed_0", "seed_2", "seed_10",
     ]  # fmt: skip
-    with pytest.raises(ConfigError, match=r"name one of its seeds: .*seed_0"):
+    with pytest.raises(ConfigError, match=r"name one of its 3 seeds, such as .*seed_0"):
         load_policy(tmp_path / "run")
     shutil.copy(file, tmp_path / "run")
     assert load_policy(tmp_path / "run").name == "tiny-symmetric"
+
+
+@pytest.mark.filterwarnings("ignore:overflow", "ignore:invalid value")
+def test_weights_that_could_reach_no_number_are_refused():
+    rng = np.random.default_rng(0)
+    weights = tuple(rng.choice([-3e38, 3e38], (8, 8)) for _ in range(9))
+    network = Mlp(weights, (np.zeros(8),) * 9, "relu")
+    assert np.isnan(network(rng.normal(size=(9, 8)))).any()
+    with pytest.raises(ConfigError, match=r"weight_7 is so large that its layer can reach"):
+        check_reach(network, 10.0)
+    check_reach(Mlp(weights, (np.zeros(8),) * 9, "tanh"), 10.0)
+
+
+def test_what_is_not_finite_in_a_card_is_none(file):
+    """Validations may have no measure; JSON for others has no nan."""
+    again = load_policy(rewritten(file, put("best", {"rms": float("nan"), "more": [np.inf, 1.0]})))
+    assert again.card["best"] == {"rms": None, "more": [None, 1.0]} == read_card(file)["best"]
 
 
 # --- code that a file may hold -------------------------------------------------------------------

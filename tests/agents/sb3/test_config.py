@@ -103,7 +103,7 @@ def test_a_recipe(tmp_path):
 @pytest.mark.parametrize(
     ("text", "word"),
     [
-        ("algorithm = 'ppo'", "algorithm = 'ppo': must be a section"),
+        ("algorithm = 'ppo'", "algorithm = 'ppo': must be a table of keys"),
         ("alg = 'ppo'", "did you mean 'algo'"),
         ("algo = 'ppp'", "did you mean 'ppo'"),
         ("[trainig]\ngamma = 0.9", "did you mean 'training'"),

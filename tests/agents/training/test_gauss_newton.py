@@ -1,4 +1,5 @@
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -142,3 +143,25 @@ def test_hidden_layer_learns_too(tmp_path):
     train(config_of(hidden=[2], iterations=1), tmp_path / "run", steps=10**9, final=False)
     state = last_state(tmp_path / "run")
     assert state["counts"][0] == 1 and len(state["vector"]) == 6 * 2 + 2 + 2 + 1
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("vector", np.zeros(1), "vector has shape (1,)"),
+        ("damping", np.array(np.nan), "damping[] = nan: allowed"),
+        ("scale", None, "no array 'scale'"),
+        ("limit", np.array("ten"), "limit is of type"),
+        ("counts", np.array([-1, 0, 0]), "counts[0] = -1: allowed"),
+        ("weights", np.full(3, object()), "not a state of Gauss-Newton, or damaged"),
+    ],
+)
+def test_a_damaged_state_is_one_line(made, tmp_path, name, value, words):
+    config, whole, _ = made
+    out = shutil.copytree(whole, tmp_path / "run")
+    (file,) = out.rglob("gauss_newton.npz")
+    state = dict(np.load(file)) | {name: value}
+    np.savez(file, **{k: v for k, v in state.items() if v is not None})
+    with pytest.raises(ConfigError) as error:
+        train(config, out, steps=10**9, resume=True, final=False)
+    assert words in str(error.value) and "gauss_newton.npz" in str(error.value)

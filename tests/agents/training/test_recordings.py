@@ -98,7 +98,10 @@ def test_few_are_kept_and_only_those_are_removed(tmp_path, monkeypatch):
     names = sorted(file.name for file in (tmp_path / FOLDER).glob("v*"))
     assert names == [f"validation_{k:04d}.rrd" for k in range(9, 3 * (KEPT + 3), 3)]
     kept.keep(99, None)
-    kept.clear()
+    kept.keep_first(20)  # a kill has undone the later ones
+    names = sorted(file.name for file in (tmp_path / FOLDER).iterdir())
+    assert names == ["mine.rrd", *(f"validation_{k:04d}.rrd" for k in (9, 12, 15, 18))]
+    kept.keep_first(0)
     assert [file.name for file in (tmp_path / FOLDER).iterdir()] == ["mine.rrd"]
 
 

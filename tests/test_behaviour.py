@@ -1,0 +1,136 @@
+"""Own ships sail a few short runs before anything uses them; what no ship does is refused."""
+
+import dataclasses
+import math
+
+import gymnasium as gym
+import pytest
+
+from ship_gym import behaviour
+from ship_gym.behaviour import RUNS, by_size, check_behaviour, findings, sailed
+from ship_gym.config import ConfigError
+from ship_gym.manoeuvres import turning_circle
+from ship_gym.ships.files import available_ships
+from ship_gym.ships.loader import available_surrogates, available_variants, load_ship
+from ship_gym.simulation import ShipSim, _Trial
+
+KVLCC2 = load_ship("kvlcc2_model")
+
+
+def mine(ship, section, **changes):
+    """A ship of an own file: not one of the package's names."""
+    changed = dataclasses.replace(getattr(ship, section), **changes)
+    return dataclasses.replace(ship, name="mine", **{section: changed})
+
+
+@pytest.mark.parametrize("name", available_ships())
+def test_the_ships_of_the_package_behave(name):
+    assert findings(load_ship(name), _Trial) == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", available_ships())
+def test_so_do_their_hulls_and_surrogates(name):
+    for surrogate in available_surrogates(name):
+        assert findings(load_ship(name, surrogate=surrogate), _Trial) == (), surrogate
+    for variant in available_variants(name):
+        assert findings(load_ship(name, variant=variant), _Trial) == (), variant
+
+
+def test_the_nearest_ships_of_the_package_are_those_that_the_limits_name():
+    """Figures beside the limits in the module."""
+    measured = {}
+    for name in available_ships():
+        ship = load_ship(name)
+        sim = _Trial(ship, len(RUNS))
+        sim.reset(0, speed=ship.speed)
+        sim.set_interval(behaviour._EVERY * ship.hull.L / ship.speed)
+        measured[name] = by_size(ship, sailed(ship, sim))
+    early = behaviour._EARLY
+    off = {name: math.degrees(abs(m.turned[early, :3]).max()) for name, m in measured.items()}
+    assert max(off, key=off.get) == "kvlcc2_model" and off["kvlcc2_model"] == pytest.approx(8, 0.1)
+    turn = {name: math.degrees(m.turned[early, 3:5].min()) for name, m in measured.items()}
+    assert min(turn, key=turn.get) == "s175" and turn["s175"] == pytest.approx(67, 0.02)
+    width = {n: (2.0 * m.speed[-1, 5:9] / m.r[-1, 5:9]).min() for n, m in measured.items()}
+    assert min(width, key=width.get) == "dtc_model" and min(width.values()) > 2.2
+    fast = {name: m.speed[:, 5:9].max() for name, m in measured.items()}
+    assert max(fast, key=fast.get) == "kcs_model" and fast["kcs_model"] == pytest.approx(1.12, 0.01)
+    assert max(m.speed[:, :3].max() for m in measured.values()) < 1.001
+    assert all((m.energy[1:, 9:] < m.energy[:-1, 9:]).all() for m in measured.values())
+
+
+HULL, RUDDER = KVLCC2.hull, KVLCC2.rudder
+IMPOSSIBLE = {
+    "turns the wrong way": (("rudder", {"epsilon": -1.0}), "75 deg to the OTHER side"),
+    "mass below zero": (("hull", {"m_x": -0.5}), r"mass with added mass in surge -2363 kg"),
+    "sucked into drift": (("hull", {"Y_v": -HULL.Y_v}), "held 3 deg across the flow"),
+    "turns on by herself": (("hull", {"N_r": -HULL.N_r}), "146 deg off her course"),
+    "spins": (("hull", {"N_r": -HULL.N_r}), r"her circle is 0.\d+ L wide; allowed is from 1"),
+    "rudder at the bow": (("rudder", {"x_R": -RUDDER.x_R}), "10 deg to the OTHER side"),
+    "goes astern in a turn": (("rudder", {"a_H": 90.0}), "at last she goes astern"),
+    "no resistance": (("hull", {"R_0": -HULL.R_0}), "no resistance: at 1.179 m/s .* 32.57 N"),
+    "no finite forces": (("rudder", {"eta": 626.0}), "force ahead is nan N"),
+    "cannot go": (("propeller", {"t_P": 1.2}), "cannot hold 1.179 m/s"),
+    "explodes": (("propeller", {"D": 9.86}), "no finite number .* in 14 of 14 runs"),
+}
+
+
+@pytest.mark.parametrize("what", IMPOSSIBLE)
+def test_what_no_ship_does_is_refused(what):
+    (section, changes), words = IMPOSSIBLE[what]
+    with pytest.raises(ConfigError, match=f"mine: no ship does this: .*{words}"):
+        ShipSim(mine(KVLCC2, section, **changes))
+
+
+def test_a_ship_wins_no_energy_by_drifting():
+    ship = load_ship("onrt_model")
+    bad = mine(ship, "hull", Y_vvv=-ship.hull.Y_vvv)
+    with pytest.raises(ConfigError, match=r"drifting: her energy rises by \S+ % without thrust"):
+        ShipSim(bad)
+
+
+@pytest.mark.parametrize("name", ["kcs", "onrt_model"])
+def test_a_flipped_sign_of_damping_is_found_also_where_rudders_hide_it(name):
+    hull = load_ship(name).hull
+    for symbol in ("Y_v", "N_r"):
+        bad = mine(load_ship(name), "hull", **{symbol: -getattr(hull, symbol)})
+        assert any(symbol in line and "held" in line for line in findings(bad, _Trial))
+
+
+def test_all_is_said_at_once():
+    bad = mine(KVLCC2, "hull", N_r=-HULL.N_r)
+    with pytest.raises(ConfigError) as refused:
+        ShipSim(bad)
+    lines = str(refused.value).splitlines()
+    assert len(lines) > 5 and all(line.startswith("mine: no ship does this: ") for line in lines)
+
+
+USES = {
+    "environment": lambda ship: gym.make("ShipGym/HeadingKeeping-v0", ship=ship),
+    "vector": lambda ship: gym.make_vec("ShipGym/TrackFollowing-v0", 2, ship=ship),
+    "manoeuvre": turning_circle,
+}
+
+
+@pytest.mark.parametrize("use", USES.values(), ids=USES)
+def test_nothing_sails_without(use):
+    with pytest.raises(ConfigError, match="no ship does this"):
+        use(mine(KVLCC2, "rudder", epsilon=-1.0))
+
+
+def test_equal_ships_are_looked_at_once(monkeypatch):
+    made = []
+
+    class Counted(_Trial):
+        def __init__(self, *given):
+            made.append(given)
+            super().__init__(*given)
+
+    other = mine(KVLCC2, "hull", x_G=0.2)
+    for ship in (other, mine(KVLCC2, "hull", x_G=0.2), other.at_share(0.5)):
+        check_behaviour(ship, Counted)
+    assert len(made) == 1
+    check_behaviour(mine(KVLCC2, "hull", x_G=0.21), Counted)
+    assert len(made) == 2
+    check_behaviour(KVLCC2, Counted)  # of the package
+    assert len(made) == 2
