@@ -19,6 +19,7 @@ Edit = Callable[[np.random.Generator, bytes], bytes]
 _PIECES = (
     b"\x00", b"\xff", b"\xef\xbb\xbf", b"\xff\xfe", b"\n", b"\r", b"\t", b",", b";", b'"', b"=",
     b"[", b"]", b"{", b"}", b"nan", b"1e999", b"-", b"9" * 400, b"[" * 3000, b"#", b"\xc3\xa9",
+    b"\n" + b"a." * 20_000 + b"a = 1\n",
 )  # fmt: skip
 
 

@@ -21,7 +21,7 @@ __version__ = "0.1.0"
 _PUBLIC = {
     "DiscreteRudder": "ship_gym.envs.discrete",
     "RecordRerun": "ship_gym.envs.record_rerun",
-    "RecordRerunVector": "ship_gym.envs.record_rerun",
+    "RecordRerunVector": "ship_gym.envs.record_rerun_vector",
     "Sea": "ship_gym.sea.state",
     "Ship": "ship_gym.ships.particulars",
     "ShipEnv": "ship_gym.envs.env",

@@ -1,4 +1,4 @@
-"""Wrappers that record episodes while an environment is used: the scalar and the vector one."""
+"""Wrapper that records episodes while an environment is used; around vectors: the module beside."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from typing import Any
 
 import gymnasium as gym
 from gymnasium.utils import RecordConstructorArgs
-from gymnasium.vector import VectorEnv, VectorWrapper
+from gymnasium.vector import VectorEnv
 
 from ship_gym.config import ConfigError
 from ship_gym.envs.env import ShipEnv
 from ship_gym.envs.recording import EpisodeRecording
 from ship_gym.envs.recording_options import RecordingOptions
-from ship_gym.envs.vector_env import ShipVectorEnv
 
 
 class RecordRerun(gym.Wrapper, RecordConstructorArgs):
@@ -95,7 +94,7 @@ class RecordRerun(gym.Wrapper, RecordConstructorArgs):
         paths = {name: None if path is None else os.fspath(path) for name, path in paths.items()}
         RecordConstructorArgs.__init__(self, **{**given, **paths})
         gym.Wrapper.__init__(self, env)
-        self._recording = _recording(env.unwrapped, ShipEnv, made)
+        self._recording = recording_of_base(env.unwrapped, ShipEnv, made)
 
     @property
     def files(self) -> list[Path]:
@@ -109,42 +108,10 @@ class RecordRerun(gym.Wrapper, RecordConstructorArgs):
         super().close()
 
 
-class RecordRerunVector(VectorWrapper):
-    """As `RecordRerun`, around a ``ShipVectorEnv``; ``make_vec(id, record=folder)`` is the same.
-
-    Environments under other vector environments, such as ``SyncVectorEnv``, are wrapped one by one
-    with `RecordRerun`, each with a folder or name of its own.
-
-    Parameters
-    ----------
-    env : gymnasium.vector.VectorEnv
-    folder : path-like
-    **options
-        Those of `RecordRerun`. Numbers count the episodes of all environments together, those that
-        begin together by the index of the environment; it stands in the file name.
-    """
-
-    def __init__(self, env: VectorEnv, folder: str | os.PathLike, **options: Any):
-        super().__init__(env)
-        made = RecordingOptions.from_option({"folder": folder, **options})
-        self._recording = _recording(env.unwrapped, ShipVectorEnv, made)
-
-    @property
-    def files(self) -> list[Path]:
-        """Files of the episodes that are over, of "worst" the worst one last."""
-        return [] if self._recording is None else self._recording.files
-
-    def close(self, **kwargs: Any) -> None:
-        """Close the recording, then the environment."""
-        if self._recording is not None:
-            self._recording.close()
-        super().close(**kwargs)
-
-
-def _recording(base: Any, kind: type, options: RecordingOptions) -> EpisodeRecording:
+def recording_of_base(base: Any, kind: type, options: RecordingOptions) -> EpisodeRecording:
     """Recording of a ship environment; ConfigError if it is none."""
     if not isinstance(base, kind):
-        others = kind is ShipVectorEnv and isinstance(base, VectorEnv)
+        others = kind is not ShipEnv and isinstance(base, VectorEnv)
         way = "; wrap each of its environments with RecordRerun" if others else ""
         raise ConfigError(
             f"env is around a {type(base).__name__}: must be around a {kind.__name__}{way}"

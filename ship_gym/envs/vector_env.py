@@ -7,8 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
 
 from ship_gym.config import ConfigError, check_number
 from ship_gym.envs.env import (
@@ -23,6 +21,7 @@ from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.flat_info import flat, is_flat
 from ship_gym.envs.start_options import start_options
 from ship_gym.envs.streams import Streams
+from ship_gym.envs.vector_base import AutoresetMode, VectorEnv, batch_space
 from ship_gym.envs.view import Screen, check_render_mode, offered_modes
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship

@@ -3,8 +3,9 @@
 numba's own way would compile and optimise each part by itself, with entry points from Python and C,
 and only then put it into the loop: half of the time, and loops in parts would be vectorised before
 it is known that arrays do not overlap. What follows uses numba's classes for own compilers
-(``pipeline_class``); where a version of numba has them otherwise, `WORKS` is False and kernels are
-compiled the plain way: the same numbers, slower.
+(``pipeline_class``) and what they call. Where a version of numba has them otherwise, as the first
+compilation of a process tries (`works`), kernels are compiled the plain way: the same numbers,
+slower. Tried with numba 0.60 to 0.68.
 """
 
 from __future__ import annotations
@@ -12,6 +13,9 @@ from __future__ import annotations
 import functools
 import warnings
 from typing import Any
+
+import numba
+import numpy as np
 
 from ship_gym.physics._cache import one_at_a_time
 
@@ -45,10 +49,12 @@ try:
 
     def _simplify(library):
         """Optimise a part, but leave its loops as they are."""
-        passes, builder = library._codegen._module_pass_manager(
+        made = library._codegen._module_pass_manager(
             opt=2, loop_vectorize=False, slp_vectorize=False
         )
-        passes.run(library._final_module, builder)
+        # with a builder of passes from numba 0.62 on, before it the passes alone
+        passes, *builder = made if isinstance(made, tuple) else (made,)
+        passes.run(library._final_module, *builder)
 
     def _leave(library):
         """Leave a part that only calls others as it is: the loop that takes it in is optimised."""
@@ -75,6 +81,8 @@ try:
     def _compiler(name: str, lowering: type) -> type:
         def define_pipelines(self):
             pipeline = DefaultPassBuilder.define_nopython_pipeline(self.state)
+            if not works():
+                return [pipeline]
             pipeline.passes = [
                 (lowering if one is NativeLowering else one, text) for one, text in pipeline.passes
             ]
@@ -89,6 +97,48 @@ try:
     WORKS = True
 except (ImportError, AttributeError):
     LOOP, PART, WORKS = {}, {}, False
+
+
+_found: bool | None = None if WORKS else False  # of `works`, once it has been asked
+
+
+def works() -> bool:
+    """Whether this numba compiles a loop with a part in it by our ways, and rightly.
+
+    Asked by the first compilation of a process, so that one which finds all kept does not pay.
+    """
+    global _found
+    if _found is None:
+        _found = True  # while it is tried
+        try:
+            _found = bool(_tried_loop()(np.arange(9.0)) == 72.0)
+        except Exception:  # whatever another version of numba raises
+            _found = False
+    return _found
+
+
+def _tried_loop() -> Any:
+    """A loop over an array, with a part of either kind."""
+
+    def doubled(x):
+        return 2.0 * x
+
+    def passed_on(x):
+        return twice(x)
+
+    def summed(values):
+        total = 0.0
+        for i in range(len(values)):
+            total += through(values[i])
+        return total
+
+    passed_on.composed = True
+    options = {"error_model": "numpy", "_nrt": False}
+    twice, through = (
+        keep_part(numba.njit(part, forceinline=True, **options, **PART))
+        for part in (doubled, passed_on)
+    )
+    return numba.njit(summed, **options, **LOOP)
 
 
 saved: list[str] = []  # functions that this process has compiled, and whose code it has kept

@@ -18,7 +18,6 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.envs.env import ShipEnv
 from ship_gym.envs.registration import ENVIRONMENTS
-from ship_gym.envs.vector_env import ShipVectorEnv
 from ship_gym.provenance import atomic_path, provenance
 from ship_gym.reports.speed_child import (
     SHIP_ENV,
@@ -163,6 +162,8 @@ def overhead(scenario: Any, n: int, repeats: int, **env: Any) -> dict[str, Any]:
         ``physics`` and ``step`` [s] of one step of all n ships, processor time, best of `repeats`;
         ``percent``, 100 (step - physics) / physics.
     """
+    from ship_gym.envs.vector_env import ShipVectorEnv  # late: needs a newer Gymnasium
+
     envs = ShipVectorEnv(n, scenario=scenario, parallel=False, **env)
     envs.reset(seed=0)
     actions = np.zeros(envs.action_space.shape)

@@ -46,7 +46,8 @@ class Range(NamedTuple):
 # Water of 0 to 40 deg C, fresh to as salt as the sea, has 990 to 1030 kg/m3 and 0.65e-6 to
 # 1.85e-6 m2/s. Lengths: from the smallest models to the largest ships.
 TOP = {
-    "full_length": Range(0.3, 500.0, "L", (1.0, 75.2), POSITIVE),
+    "full_length": Range(0.5, 500.0, "", (154.0, 355.0), POSITIVE),
+    "full_length / hull.L": Range(0.3, 300.0, "", (1.0, 75.2)),
     "rho": Range(985.0, 1035.0, "", (999.0, 1030.0), POSITIVE),
     "nu": Range(0.6e-6, 2e-6, "", (1.14e-6, 1.19e-6), POSITIVE),
     "speed": Range(0.03, 0.7, "sqrt(g L)", (0.142, 0.25), POSITIVE),
@@ -104,7 +105,7 @@ PROPELLER = {
 RUDDER = {
     "A_R": Range(0.004, 0.1, "L d", (0.0167, 0.034), POSITIVE),  # of each
     "f_alpha": Range(1.0, 6.2, "", (2.19, 3.01), POSITIVE),
-    "epsilon": Range(0.4, 1.8, "", (0.662, 1.09), POSITIVE),
+    "epsilon": Range(0.4, 1.8, "", (0.662, 1.09)),
     "kappa": Range(0.0, 1.5, "", (0.5, 1.0)),
     "eta": Range(0.2, 1.0, "", (0.626, 0.87), (TINY, 1.0)),  # a share of the rudder's height
     "gamma_R_p": Range(0.0, 1.5, "", (0.088, 0.64)),

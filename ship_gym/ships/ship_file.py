@@ -22,7 +22,7 @@ from ship_gym.ships.particulars import (
     SteeringGear,
     WindAreas,
 )
-from ship_gym.ships.plausible import findings_of
+from ship_gym.ships.plausible import errors_of, findings_of
 from ship_gym.ships.reader import Reader
 from ship_gym.ships.scaling import scaled
 from ship_gym.ships.trials import Trial, scaled_trial
@@ -140,7 +140,7 @@ def scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
 def _judged(ship: Ship, reader: Reader) -> Ship:
     """The ship, if nothing was found that is wrong; else every finding is told."""
     found = findings_of(ship)
-    for line in found.impossible + (found.implausible if ship.strict else []):
+    for line in errors_of(ship, found):
         reader.add(line)
     reader.findings.tell()
     return dataclasses.replace(ship, implausible=tuple(found.implausible))

@@ -10,7 +10,9 @@ import warnings
 import pytest
 
 import ship_gym
-from ship_gym.config import LONGEST, ConfigError, ImplausibleShip
+from ship_gym.config import LONGEST, MOST_FINDINGS, ConfigError, ImplausibleShip
+from ship_gym.recording.about import ship_meta
+from ship_gym.reports.manoeuvre import estimates
 from ship_gym.ships import available_ships, available_variants, load_ship, scaled
 from ship_gym.ships.files import DATA
 from ship_gym.ships.loader import available_surrogates
@@ -148,17 +150,38 @@ def test_all_findings_are_told_at_once(own):
     assert len(text.splitlines()) == 10
 
 
+def test_one_slip_is_one_finding(own):
+    """Numbers by a number that is wrong are not wrong with it."""
+    for change in (
+        ("rho = { value = 999.103", "rho = { value = 0.999"),
+        ("L = { value = 7.00", "L = { value = 700.0"),
+    ):
+        with pytest.raises(ConfigError) as error:
+            load_ship(own(change))
+        first, *rest = str(error.value).splitlines()
+        assert change[1].split(" =")[0] in first and "strict = false" in rest[-1] and len(rest) == 1
+
+
 def test_a_ship_that_is_not_strict_warns_of_ranges_alone(own):
     free = ('title = "', 'strict = false\ntitle = "')
     with pytest.warns(ImplausibleShip, match=r"not strict:\n  hull.x_G = 1 m = 0.1429 L: allowed"):
         ship = load_ship(own(free, ("x_G = { value = 0.25", "x_G = { value = 1.0")))
     assert not ship.strict and len(ship.implausible) == 1
-    assert "  implausible hull.x_G = 1 m" in ship.describe()
+    for text in (ship.describe(), estimates(ship), *ship_meta(ship)["implausible"]):
+        assert "hull.x_G = 1 m" in text
     for change in (("R_0 = { value = 0.", "R_0 = { value = -0."), ("m_x = 0.022", "m_x = -0.5")):
         with pytest.raises(ConfigError, match=change[1].split()[0]):
             load_ship(own(free, change))
     with pytest.raises(ConfigError, match="strict = 0: allowed is true or false"):
         load_ship(own(("title", "strict = 0\ntitle")))
+
+
+def test_findings_of_a_file_full_of_nonsense_are_not_endless(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text("".join(f"key_{k} = {k}\n" for k in range(1000)))
+    with pytest.raises(ConfigError, match="more is wrong, see to these first") as error:
+        load_ship(path)
+    assert len(str(error.value).splitlines()) == MOST_FINDINGS + 1
 
 
 def test_what_is_not_strict_stays_so_when_scaled(own, tmp_path):

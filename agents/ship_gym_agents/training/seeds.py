@@ -248,7 +248,7 @@ def summarised(cards: Sequence[dict[str, Any]], score: Score) -> dict[str, Any]:
     ]
     order: Callable[[dict[str, Any]], Any] = score.key
     ranked = sorted(runs, key=order)
-    known = [run[score.name] for run in runs if run[score.name] is not None]
+    known = [value for run in runs if (value := run.get(score.name)) is not None]
     return {
         "score": score.text,
         "runs": runs,
