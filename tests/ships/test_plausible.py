@@ -342,3 +342,13 @@ def test_slips_of_a_unit_and_of_a_sign_are_noticed():
     damping = {"hull.Y_v", "hull.N_v", "hull.N_r", "hull.X_vv", "hull.N_vvr", "hull.Y_vrr"}
     rudder = {f"rudder.{key}" for key in RANGES["rudder"]} - {"rudder.neutral"}
     assert not (sized | damping | rudder) & unnoticed(-1.0)
+
+
+def test_a_hull_variant_is_named_with_its_file(tmp_path):
+    shutil.copytree(DATA / "kcs_model", tmp_path / "mine")
+    variant = tmp_path / "mine" / "hull_a.toml"
+    variant.write_text(variant.read_text().replace("Y_vrr = -0.8341", "Y_vrr = 0.8341"))
+    path = str(tmp_path / "mine" / "ship.toml")
+    with pytest.raises(ConfigError, match=r"ship.toml with hull_a.toml: hull.Y_vrr = 0.8341: all"):
+        load_ship(path, variant="hull_a")
+    assert load_ship(path, surrogate="none").strict
