@@ -20,7 +20,7 @@ from ship_gym.conventions import (
 from ship_gym.envs.info import Info, Layout, info_of_all, info_of_one, side_by_side
 from ship_gym.envs.interval import BAD_ACTION, BAD_OUTCOME, Episodes, Failure, Loops, loops_of
 from ship_gym.envs.probe import check_outcomes, try_kernels
-from ship_gym.envs.randomisation import ShipDraws, check_has_std
+from ship_gym.envs.randomisation import ShipDraws, check_draws, check_has_std
 from ship_gym.envs.watcher import Watcher
 from ship_gym.envs.weather import Weathers
 from ship_gym.physics._threads import BLOCK, in_parts
@@ -93,9 +93,10 @@ class EpisodeBatch:
         self.fleet = [one.at_share(scenario.speed) for one in different]
         given = [self.fleet[k] for k in numbers]
         self.ships = [given[i % len(given)] for i in range(n)]
-        if scenario.randomisation.surrogate_std > 0.0:
-            for one in self.fleet:
+        for one in self.fleet:
+            if scenario.randomisation.surrogate_std > 0.0:
                 check_has_std(one)
+            check_draws(scenario.randomisation, one)
         self.task = TASKS[scenario.task]
         self.sim = ShipSim(self.ships, n, parallel=parallel)
         self.ships = self.sim.ships
