@@ -23,10 +23,11 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import LARGEST, ConfigError, nearest, shown
+from ship_gym.config import LARGEST, ConfigError, cut, nearest, shown
 
 MOST = 1 << 29  # [bytes] of a file, packed or not
 _MOST_TEXT = 1 << 26  # [bytes] of a file of text
+_MOST_TOLD = 150  # characters of what a parser says: the file is to be named, too
 
 # Byte order marks; the longer ones first, since that of UTF-16 begins that of UTF-32.
 _MARKS = {
@@ -92,7 +93,7 @@ def read_as(path: str | os.PathLike, what: str) -> Iterator[None]:
     except RecursionError:
         raise ConfigError(f"{path}: not {what}: nested too deep") from None
     except Exception as error:
-        told = " ".join(str(error).split()) or type(error).__name__
+        told = cut(" ".join(str(error).split()), _MOST_TOLD) or type(error).__name__
         if isinstance(error, KeyError):
             told = f"no {told}"
         raise ConfigError(f"{path}: not {what}, or damaged: {told}") from None

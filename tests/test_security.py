@@ -622,3 +622,19 @@ def test_every_place_where_a_file_is_read_is_listed():
     assert found == set(READS), "a module that reads files, or reads none any more: edit READS"
     named = {name for covered in READS.values() if isinstance(covered, set) for name in covered}
     assert named <= set(READERS)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of memory as on Linux")
+def test_a_small_file_needs_no_room_for_a_large_one(tmp_path):
+    import resource
+
+    from ship_gym.reading import read_bytes
+
+    (tmp_path / "a").write_bytes(b"abc")
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+    resource.setrlimit(resource.RLIMIT_AS, (used + (1 << 28), before[1]))
+    try:
+        assert read_bytes(tmp_path / "a", 1 << 34) == b"abc"
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)

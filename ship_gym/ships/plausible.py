@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -71,6 +72,15 @@ BASES: dict[str, _Basis] = {
 }
 
 
+_KEYS = {"L": "hull.L", "B": "hull.B", "d": "hull.d", "U": "speed", "rho": "rho"}
+_KEYS |= {"D": "propeller.D", "n_max": "engine.n_max", "torque_max": "engine.torque_max"}
+_KEYS |= {"L_oa": "wind.L_oa", "A_L": "wind.A_L"}
+# basis -> keys of the numbers that it is made of
+_PARTS = {
+    name: [_KEYS[word] for word in re.findall(r"\w+", name) if word in _KEYS] for name in BASES
+}
+
+
 def basis(ship: Ship, name: str, speed: float | None) -> float | None:
     """A basis of `BASES` for a ship; None if a number it needs is missing or not above zero."""
     try:
@@ -85,10 +95,11 @@ def values_of(ship: Ship) -> Iterator[tuple[str, dict[str, Any], Mapping[str, Ra
     speed = ship.speed and ship.share and ship.speed / ship.share
     L = basis(ship, "L", speed)
     top = {"full_length / hull.L": ship.full_length / L if L and ship.full_length else None}
-    yield "", vars(ship) | {"speed": speed} | top, TOP, speed
-    for name, table in RANGES.items():
-        if (section := getattr(ship, name)) is not None:
-            yield f"{name}.", vars(section), table, speed
+    parts = [(f"{name}.", getattr(ship, name), table) for name, table in RANGES.items()]
+    sized = [(prefix, vars(part), table) for prefix, part, table in parts if part is not None]
+    sized.insert(1, ("", vars(ship) | {"speed": speed} | top, TOP))  # the hull is first, for L
+    for prefix, values, table in sized:
+        yield prefix, values, table, speed
     yield "open_water.", _open_water(ship), OPEN_WATER, speed
     for name, table in (("trial", TRIAL), ("propulsion", PROPULSION)):
         points = ship.trials if name == "trial" else ship.propulsion
@@ -111,32 +122,43 @@ def findings_of(ship: Ship) -> Verdict:
     """All that is wrong with the numbers of a ship.
 
     A number, a section or a table of her that could not be read is None and passed over, and so
-    are the limits that are shares of it.
+    are the limits that are shares of it. Of numbers by a number that is out of range, only what
+    cannot be computed with is told: else one slip would be many findings.
     """
-    found = Verdict([], [])
+    found, bad = Verdict([], []), set()
     for prefix, values, table, speed in values_of(ship):
         for name, allowed in table.items():
             if (value := values.get(name)) is not None:
-                _look(found, ship, prefix + name, value, allowed, speed)
+                doubtful = bool(bad) and (
+                    any(key in bad for key in _PARTS[allowed.by])
+                    or ("U" in allowed.by and f"{prefix}speed" in bad)
+                )
+                if _look(found, ship, prefix + name, value, allowed, speed, doubtful):
+                    bad.add(prefix + name)
     found.impossible.extend(_joint(ship))
     return found
 
 
-def _look(found: Verdict, ship: Ship, key: str, value: float, allowed: Range, speed) -> None:
-    """Add what is to be said about one number."""
+def _look(
+    found: Verdict, ship: Ship, key: str, value: float, allowed: Range, speed, doubtful: bool
+) -> bool:
+    """Add what is to be said about one number, by a basis that may be `doubtful`; if anything."""
     usual = (allowed.low, allowed.high)
     unit = basis(ship, allowed.by, speed)
     if unit is None:  # its sign can be judged all the same
         if allowed.must not in (POSITIVE, NOT_NEGATIVE):
-            return
+            return False
         allowed, usual, unit = Range(*allowed.must, must=allowed.must), allowed.must, 1.0
     ratio = value / unit
     endless = math.isinf(value) and math.isfinite(allowed.high)
     if endless or not allowed.must[0] <= ratio <= allowed.must[1]:
         limits = usual if ship.strict else allowed.must
         found.impossible.append(_told(key, value, ratio, allowed.by, unit, limits))
-    elif not usual[0] <= ratio <= usual[1]:
+    elif not doubtful and not usual[0] <= ratio <= usual[1]:
         found.implausible.append(_told(key, value, ratio, allowed.by, unit, usual))
+    else:
+        return False
+    return True
 
 
 _UNITS = {"full_length": "m", "rho": "kg/m3", "nu": "m2/s", "speed": "m/s", "hull.L": "m"}
@@ -220,7 +242,7 @@ def errors_of(ship: Ship, found: Verdict) -> list[str]:
     """What is an error of the findings of a ship, and the way out if there is one."""
     if found.impossible or not found.implausible or not ship.strict:
         return found.impossible + (found.implausible if ship.strict else [])
-    return [*found.implausible, "for a ship like no published one: strict = false"]
+    return [*found.implausible, "if these numbers are meant: strict = false makes warnings of them"]
 
 
 def checked(ship: Ship, where: str = "") -> Ship:

@@ -105,7 +105,7 @@ PROPELLER = {
 RUDDER = {
     "A_R": Range(0.004, 0.1, "L d", (0.0167, 0.034), POSITIVE),  # of each
     "f_alpha": Range(1.0, 6.2, "", (2.19, 3.01), POSITIVE),
-    "epsilon": Range(0.4, 1.8, "", (0.662, 1.09), POSITIVE),
+    "epsilon": Range(0.4, 1.8, "", (0.662, 1.09)),
     "kappa": Range(0.0, 1.5, "", (0.5, 1.0)),
     "eta": Range(0.2, 1.0, "", (0.626, 0.87), (TINY, 1.0)),  # a share of the rudder's height
     "gamma_R_p": Range(0.0, 1.5, "", (0.088, 0.64)),

@@ -150,6 +150,18 @@ def test_all_findings_are_told_at_once(own):
     assert len(text.splitlines()) == 10
 
 
+def test_one_slip_is_one_finding(own):
+    """Numbers by a number that is wrong are not wrong with it."""
+    for change in (
+        ("rho = { value = 999.103", "rho = { value = 0.999"),
+        ("L = { value = 7.00", "L = { value = 700.0"),
+    ):
+        with pytest.raises(ConfigError) as error:
+            load_ship(own(change))
+        first, *rest = str(error.value).splitlines()
+        assert change[1].split(" =")[0] in first and "strict = false" in rest[-1] and len(rest) == 1
+
+
 def test_a_ship_that_is_not_strict_warns_of_ranges_alone(own):
     free = ('title = "', 'strict = false\ntitle = "')
     with pytest.warns(ImplausibleShip, match=r"not strict:\n  hull.x_G = 1 m = 0.1429 L: allowed"):

@@ -24,6 +24,8 @@ class Several(click.Option):
 class MayStandAlone(click.Option):
     """An option whose value may be left out; it is then the empty text."""
 
+    alone = True  # for the types of values
+
 
 class Verb(click.Command):
     """A command whose help ends with examples.

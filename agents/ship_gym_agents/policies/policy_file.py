@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from safetensors.numpy import load, save
 
-from ship_gym.config import ConfigError, shown
+from ship_gym.config import ConfigError, shown, told_of
 from ship_gym.provenance import atomic_path
 from ship_gym.reading import read_as, read_bytes
 from ship_gym_agents.forms.form import form_from
@@ -78,21 +78,18 @@ def load_policy(path: str | Path) -> Policy:
     """
     file = policy_path(path)
     data = read_bytes(file)
-    try:
-        with read_as(file, "a policy"):
-            tensors = load(data)
-            head = _head(data, file)
-            if _digest(head["card"], tensors) != head["digest"]:
-                raise ValueError("its digest is not that of what it holds")
-            card = checked_card(head["card"])
-            normaliser = Normaliser(
-                tensors["mean"], tensors["scale"], float(card["normaliser"]["limit"])
-            )
-            network = network_from(card["network"], tensors)
-            check_reach(network, normaliser.limit)
-            made = Policy(form_from(card["form"]), normaliser, network, card)
-    except ConfigError as error:
-        raise ConfigError(str(error) if str(file) in str(error) else f"{file}: {error}") from None
+    with told_of(file), read_as(file, "a policy"):
+        tensors = load(data)
+        head = _head(data, file)
+        if _digest(head["card"], tensors) != head["digest"]:
+            raise ValueError("its digest is not that of what it holds")
+        card = checked_card(head["card"])
+        normaliser = Normaliser(
+            tensors["mean"], tensors["scale"], float(card["normaliser"]["limit"])
+        )
+        network = network_from(card["network"], tensors)
+        check_reach(network, normaliser.limit)
+        made = Policy(form_from(card["form"]), normaliser, network, card)
     instead = "make the controller in Python: Policy(form, normaliser, network, card)"
     check_no_code(made.form.base, file, instead)
     made.file = file
@@ -109,10 +106,8 @@ def read_card(path: str | Path) -> dict[str, Any]:
     """
     file = policy_path(path)
     head = _head(read_bytes(file), file)
-    try:
+    with told_of(file):
         return checked_card(head.get("card"))
-    except ConfigError as error:
-        raise ConfigError(f"{file}: {error}") from None
 
 
 def policy_path(path: str | Path) -> Path:
