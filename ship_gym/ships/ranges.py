@@ -59,7 +59,7 @@ HULL = {
     "L": Range(0.5, 500.0, "", (3.06, 355.0), POSITIVE),
     "B": Range(0.05, 0.5, "L", (0.122, 0.181), POSITIVE),
     "d": Range(0.08, 1.0, "B", (0.284, 0.362), POSITIVE),
-    "volume": Range(0.25, 0.95, "L B d", (0.535, 0.8), POSITIVE),  # block coefficient
+    "volume": Range(0.25, 1.0, "L B d", (0.535, 0.8), (TINY, 1.0)),  # C_B; a box has 1
     "x_G": Range(-0.1, 0.1, "L", (-0.0164, 0.0357)),
     "k_zz": Range(0.15, 0.4, "L", (0.24, 0.251), POSITIVE),
     "S": Range(0.35, 1.3, "L (B + 2 d)", (0.651, 0.853), POSITIVE),
