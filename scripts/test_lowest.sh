@@ -85,6 +85,7 @@ pip_install "$vectors"
 run_pytest "${arguments[@]}"
 say "The command line"
 "$work/venv/bin/ship-gym" list ships
-"$work/venv/bin/ship-gym" evaluate --controllers pid --episodes 2 --set duration=100
+"$work/venv/bin/ship-gym" evaluate --controllers pid --episodes 2 --set duration=100 \
+    --out "$work/evaluation.json"
 "$work/venv/bin/ship-gym" simulate turning --csv "$work/turn.csv"
 say "The lowest versions pass: $((SECONDS - started)) s"
