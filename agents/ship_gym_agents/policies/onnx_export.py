@@ -40,7 +40,7 @@ def export_onnx(policy: Policy, path: str | Path) -> None:
 def exported_card(path: str | Path) -> dict[str, Any]:
     """Card of the policy that a model was made of; whatever is wrong with the file is raised."""
     found = {one.key: one.value for one in _onnx().load(str(path)).metadata_props}
-    return json.loads(found["card"]) | {"name": found["ship_gym_policy"]}
+    return json.loads(found["card"])
 
 
 def onnx_model(policy: Policy) -> Any:
