@@ -159,7 +159,7 @@ class Run:
         verdicts = [verdict for _, verdict in self.found.values()]
         by_format: dict[str, Counter] = defaultdict(Counter)
         for kind, verdict in self.found.values():
-            by_format[kind][verdict.outcome] += 1
+            by_format[kind]["known" if verdict.known else verdict.outcome] += 1
         self.data = {
             "seed": self.seed,
             "cases": sum(k >= 0 for k in self.found),
