@@ -114,7 +114,7 @@ def _outcome(case: Any, main: Path) -> Verdict:
         raise
     except Exception as error:
         if _in_words(error) or isinstance(error, OSError | ImportError):
-            return _refused(case, error)
+            return _refused(case, main, error)
         return _raised(error)
     except BaseException as error:  # a panic of a compiled library, an exit
         return _raised(error)
@@ -126,13 +126,14 @@ def _raised(error: BaseException) -> Verdict:
     return Verdict("traceback", f"{kind} at {innermost(error)}", f"{kind}: {_short(error)}")
 
 
-def _refused(case: Any, error: Exception) -> Verdict:
+def _refused(case: Any, main: Path, error: Exception) -> Verdict:
     """A refusal in words, unless one of its lines is too long."""
     text = str(error)
     longest = max(map(len, text.splitlines()), default=0)
     if longest > LONGEST:
         return Verdict("long message", innermost(error), f"{longest} characters: {_short(error)}")
-    named = case.kind == "command" or any(Path(name).name in text for name in case.files)
+    names = [*(Path(name).name for name in case.files), main.parent.name]
+    named = case.kind == "command" or any(name in text for name in names)
     soft = () if named else (f"wording: no file named, {caller(error)}",)
     return Verdict("refused", "", _short(error), soft=soft)
 

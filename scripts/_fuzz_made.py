@@ -177,6 +177,7 @@ def references() -> Iterator[Seed]:
 def results() -> Iterator[Seed]:
     """A table of a benchmark with few episodes."""
     from ship_gym.evaluation.episodes_table import Results, table_of, write_results
+    from ship_gym.provenance import provenance
 
     rows = [
         {
@@ -189,9 +190,22 @@ def results() -> Iterator[Seed]:
         for ship in ("kcs", "onrt")
         for k in range(3)
     ]
+    suite = {"version": 1, "title": "core", "sha256": "0", "scenarios": ["heading_keeping"]}
+    about = {
+        "suites": {"core": suite | {"controls": {}, "tasks": {}}},
+        "seeds": [0, 1, 2],
+        "ships": ["kcs", "onrt"],
+        "controllers": {"pid": {}},
+        "refused": [],
+        "patience": 60.0,
+        "computing_time": 1.5,
+        "machine": {"processor": "none", "cores": 2},
+        "command": "ship-gym benchmark",
+        **provenance(),
+    }
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "episodes.parquet"
-        write_results(path, Results(table_of(rows), {"suites": ["core"], "seeds": [0, 3]}))
+        write_results(path, Results(table_of(rows), about))
         yield Seed("results", {"episodes.parquet": path.read_bytes()})
 
 

@@ -199,10 +199,13 @@ def references(path: Path, **_: Any) -> None:
 
 
 def results(path: Path, **_: Any) -> None:
-    """A table of a benchmark, and its rows."""
+    """A table of a benchmark, its rows, and the scores that its page tells."""
     from ship_gym.evaluation.episodes_table import read_results
+    from ship_gym.evaluation.report.benchmark import judge
 
-    read_results(path).rows()
+    found = read_results(path)
+    found.rows()
+    judge(found)
 
 
 # --- tables of numbers ---------------------------------------------------------------------------

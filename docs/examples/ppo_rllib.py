@@ -1,9 +1,9 @@
 """PPO of RLlib on the native vector environment: each runner steps its ships in one batch.
 
 RLlib makes vector environments with ``gym.make_vec``; given a `VECTOR_ENTRY_POINT` it takes ours as
-it is, instead of a loop over single environments. Needs ``pip install "ship-gym[rl,ray]" dm-tree``:
-the extra ``ray[rllib]`` would ask for Gymnasium 1.2.2, which is older than what Ship Gym needs, and
-RLlib runs with the newer one. What was learned sails beside the PID at the end.
+it is, instead of a loop over single environments. Needs ``pip install "ship-gym[rllib]"``, which
+brings the one version of Gymnasium that RLlib asks for. What was learned sails beside the PID at
+the end.
 """
 
 from __future__ import annotations

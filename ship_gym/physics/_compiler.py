@@ -5,7 +5,7 @@ and only then put it into the loop: half of the time, and loops in parts would b
 it is known that arrays do not overlap. What follows uses numba's classes for own compilers
 (``pipeline_class``) and what they call. Where a version of numba has them otherwise, as the first
 compilation of a process tries (`works`), kernels are compiled the plain way: the same numbers,
-slower. Tried with numba 0.60 to 0.68.
+slower. Tried with numba 0.61 to 0.68.
 """
 
 from __future__ import annotations

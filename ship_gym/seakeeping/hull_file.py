@@ -14,7 +14,7 @@ from types import ModuleType
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number, shown
+from ship_gym.config import ConfigError, check_known, check_number, shown, told_of
 from ship_gym.reading import check_array, read_as, read_bytes, read_text
 from ship_gym.seakeeping.hull_checks import check_mesh, check_panels, check_place
 from ship_gym.seakeeping.hull_mesh import HullMesh, starboard_half, welded
@@ -84,26 +84,36 @@ def read_hull(
     """
     path, ship = Path(path), load_ship(ship)
     check_number("scale", scale, 1e-9, 1e9)
+    if panels is not None:
+        panels = int(check_number("panels", panels, 40, 20000))
     vertices, faces, note = _read(path)
-    points = _turned(np.asarray(vertices, dtype=float) * scale, forward, up, midship, waterline)
+    points = _turned(vertices * scale, forward, up, midship, waterline)
     faces = faces[:, ::-1] if flip_normals else faces
+    with told_of(path):
+        mesh = _under_water(points, faces, ship, note, path)
+        if panels is None:
+            check_panels(mesh, str(path))
+            return starboard_half(mesh)
+        coarse = coarsened(mesh, panels)
+        check_mesh(coarse, ship, f"{path} with {coarse.count} panels")
+        return coarse
+
+
+def _under_water(
+    points: np.ndarray, faces: np.ndarray, ship: Ship, note: str, path: Path
+) -> HullMesh:
+    """Both sides of the hull below its waterline, checked, with what was done in its report."""
     check_place(points, ship, str(path))
     if one_side := _one_side(points):
         note += ", one side, mirrored"
     mesh = welded(*cut(points, faces), symmetric=one_side).both_sides()
     check_mesh(mesh, ship, str(path))
     found = hydrostatics(mesh)
-    mesh = mesh.with_report(
+    return mesh.with_report(
         note,
         f"cut at the waterline: {mesh.count} panels below, volume {found.volume:.6g} m3, "
         f"wetted surface {found.S:.6g} m2",
     )
-    if panels is None:
-        check_panels(mesh, str(path))
-        return starboard_half(mesh)
-    coarse = coarsened(mesh, int(check_number("panels", panels, 40, 20000)))
-    check_mesh(coarse, ship, f"{path} with {coarse.count} panels")
-    return coarse
 
 
 def _one_side(points: np.ndarray) -> bool:

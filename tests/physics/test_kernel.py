@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from ship_gym.physics import _compiler
 from ship_gym.physics._kernel import direct, kernel, specialised
 
 
@@ -99,3 +100,26 @@ def test_an_edited_file_of_a_user_is_compiled_again(tmp_path):
             f"@kernel\ndef mine(x):\n    return {factor} * x\n"
         )
         assert specialised(_sum_of, "user", rule=load_file(file).mine)(values) == total
+
+
+@pytest.mark.compiled
+def test_a_numba_that_is_made_otherwise_is_noticed_and_compiles_the_plain_way(monkeypatch):
+    """The loop calls a kernel with a variable around it, so that its code is not kept."""
+
+    def other(library):
+        raise TypeError("not enough values to unpack")
+
+    assert _compiler.works()
+    monkeypatch.setattr(_compiler, "_simplify", other)
+    with pytest.raises(TypeError, match="unpack"):
+        specialised(_sum_of, "ours", rule=with_factor(5.0))(np.ones(3))
+    monkeypatch.setattr(_compiler, "_found", None)
+    assert specialised(_sum_of, "plain", rule=with_factor(5.0))(np.ones(3)) == 15.0
+    assert _compiler._found is False
+
+
+@pytest.mark.compiled
+def test_a_numba_that_compiles_our_ways_wrongly_is_noticed(monkeypatch):
+    monkeypatch.setattr(_compiler, "_found", None)
+    monkeypatch.setattr(_compiler, "_tried_loop", lambda: lambda values: values.sum())
+    assert not _compiler.works()

@@ -94,7 +94,7 @@ def test_errors_in_words_are_no_findings(part, monkeypatch, tmp_path):
     for error in (ConfigError("probe.txt: no"), OSError(2, "gone", "probe.txt"), ImportError("x")):
         found = judged(part, monkeypatch, tmp_path, raises(error))
         assert (found.outcome, found.bad) == ("refused", False)
-    found = judged(part, monkeypatch, tmp_path, raises(ConfigError("speed = -1: no")))
+    found = judged(part, monkeypatch, tmp_path, raises(ConfigError("speed = -1: wrong")))
     assert not found.bad and "no file named" in found.soft[0]
     assert judged(part, monkeypatch, tmp_path, lambda path: path.read_text()).outcome == "used"
     assert not (tmp_path / "case").exists()

@@ -316,7 +316,8 @@ def _reach(name: str, limit: float, weight: np.ndarray, bias: np.ndarray) -> flo
 
 def _single(array: np.ndarray) -> np.ndarray:
     """Float64 numbers that float32 holds without loss."""
-    return np.asarray(array, dtype=np.float32).astype(np.float64)
+    with np.errstate(over="ignore"):  # what float32 cannot hold is refused as not finite
+        return np.asarray(array, dtype=np.float32).astype(np.float64)
 
 
 def _times(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
