@@ -27,6 +27,7 @@ class _Pickled:
         return exec, ("raise SystemError('code of a file ran')",)
 
 
+@np.errstate(all="ignore")
 def array_edit(rng: np.random.Generator, array: np.ndarray) -> np.ndarray:
     """An array with other numbers, shape or type."""
     how = rng.integers(7)
@@ -42,11 +43,10 @@ def array_edit(rng: np.random.Generator, array: np.ndarray) -> np.ndarray:
     if how == 3:
         return pick(rng, (array.T, array.ravel(), array[None], np.empty(0), np.float64(1.0)))
     if how == 4:
-        with np.errstate(all="ignore"):
-            try:
-                return array.astype(pick(rng, _KINDS))
-            except (ValueError, TypeError):
-                return np.zeros(array.shape, "S3")
+        try:
+            return array.astype(pick(rng, _KINDS))
+        except (ValueError, TypeError):
+            return np.zeros(array.shape, "S3")
     if how == 5 and array.dtype.kind in "fiu":
         return array * pick(rng, (0.0, -1.0, 1e-9, 1e3, 1e9, 1e200))
     if how == 6 and array.ndim and len(array) > 1:

@@ -55,14 +55,18 @@ NATIVE = """
 import gymnasium as gym
 import ship_gym
 
-before = gym.make_vec
+before, plain = gym.make_vec, (gym.vector.SyncVectorEnv, gym.vector.AsyncVectorEnv)
 
 
 def make_vec(id, num_envs=1, vectorization_mode=None, vector_kwargs=None, wrappers=None, **more):
     given = {"vectorization_mode": vectorization_mode, "vector_kwargs": vector_kwargs}
     if str(id).startswith("ShipGym/") and vectorization_mode is not None and not wrappers:
         given, more = {}, {**(vector_kwargs or {}), **more}
-    return before(id, num_envs, wrappers=wrappers, **given, **more)
+    gym.vector.SyncVectorEnv, gym.vector.AsyncVectorEnv = plain
+    try:
+        return before(id, num_envs, wrappers=wrappers, **given, **more)
+    finally:
+        gym.vector.SyncVectorEnv = gym.vector.AsyncVectorEnv = native
 
 
 def native(env_fns, autoreset_mode="NextStep", copy=True, **_):
@@ -201,9 +205,15 @@ def results(place: Path, file: str) -> Iterator[tuple[str, str]]:
         seen = True
         if case.find("skipped") is None:
             bad = [*case.iter("failure"), *case.iter("error")]
-            yield case.get("name", ""), (bad[0].get("message") or "failed") if bad else ""
+            yield case.get("name", ""), _said(bad[0]) if bad else ""
     if not seen:
         yield "(the file)", f"pytest ran no test: {told[-200:]}"
+
+
+def _said(failure: ElementTree.Element) -> str:
+    """What a failed test says: the message, which pytest may cut, and the lines it is from."""
+    lines = [line for line in (failure.text or "").splitlines() if line.startswith("E ")]
+    return "\n".join([failure.get("message") or "failed", *lines])
 
 
 def classified(

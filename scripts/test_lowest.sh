@@ -44,9 +44,14 @@ done
 # With any gymnasium from the floor on: what these use of it are the scalar environments.
 SCALAR=(tests/envs/test_old_gymnasium.py)
 
-# Every test here compiles what it needs, about a minute of each of two cores.
 USUAL=(
-    tests/envs/test_old_gymnasium.py
+    tests/envs/{test_old_gymnasium,test_env,test_vector_env,test_start_options,test_streams}.py
+    tests/physics/{test_actuators,test_angles,test_dynamics,test_elementary,test_kernel}.py
+    tests/sea/{test_components,test_gusts,test_records,test_spectra,test_wave_response}.py
+    tests/ships/{test_loader,test_estimators,test_form,test_records,test_scaling}.py
+    tests/tracks tests/tasks tests/scenarios
+    tests/evaluation/{test_metrics,test_rollout,test_splits,test_statistics,test_suite}.py
+    tests/test_{config,conventions,csv_file,import,simulation,tables}.py
 )
 
 PYTHON="${PYTHON:-$(command -v python3.11 || true)}" # empty: the first that is new enough
@@ -78,4 +83,9 @@ fi
 say "Tests with $vectors, the lowest with native vector environments"
 pip_install "$vectors"
 run_pytest "${arguments[@]}"
+say "The command line"
+"$work/venv/bin/ship-gym" list ships
+"$work/venv/bin/ship-gym" evaluate --controllers pid --episodes 2 --set duration=100 \
+    --out "$work/evaluation.json"
+"$work/venv/bin/ship-gym" simulate turning --csv "$work/turn.csv"
 say "The lowest versions pass: $((SECONDS - started)) s"

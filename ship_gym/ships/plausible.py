@@ -115,7 +115,10 @@ def _open_water(ship: Ship) -> dict[str, float]:
     low, high = card["J_range"]
     K_T, K_Q = (np.polyval(card["K_T"], [low, high]), np.polyval(card["K_Q"], [low, high]))
     found = {"J_low": low, "J_high": high, "K_T at J_low": K_T[0], "K_Q at J_low": K_Q[0]}
-    return {k: float(v) for k, v in found.items()} | {"K_T at J_high": float(K_T[1])}
+    found["K_T at J_high"] = K_T[1]
+    if low != high:
+        found["mean slope of K_T"] = (K_T[1] - K_T[0]) / (high - low)
+    return {name: float(value) for name, value in found.items()}
 
 
 def findings_of(ship: Ship) -> Verdict:
@@ -183,7 +186,7 @@ def _limits(limits: tuple[float, float], unit: float = 1.0) -> str:
         return f"above 0, at most {high}" if limits[1] < math.inf else "above 0"
     if limits[1] == math.inf:
         return f"{low} or more"
-    return f"{low} or less" if limits[0] == -math.inf else f"{low} to {high}"
+    return f"{high} or less" if limits[0] == -math.inf else f"{low} to {high}"
 
 
 def _joint(ship: Ship) -> Iterator[str]:

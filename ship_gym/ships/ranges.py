@@ -183,13 +183,14 @@ WIND = {
     "masts": Range(0.0, 10.0, "", (1.0, 1.0), NOT_NEGATIVE),
 }
 
-# At the lower end of the data the thrust of a propeller that pulls, at the upper the same or less.
+# At the lower end of the data the thrust of a propeller that pulls, and it falls with J.
 OPEN_WATER = {
     "J_low": Range(0.0, 1.5, "", (0.0, 0.55), (-3.0, 3.0)),
     "J_high": Range(0.2, 2.5, "", (0.8, 1.35), (-3.0, 3.0)),
     "K_T at J_low": Range(0.05, 1.5, "", (0.293, 0.54)),
     "K_Q at J_low": Range(0.004, 0.4, "", (0.0311, 0.123)),
     "K_T at J_high": Range(-0.5, 0.5, "", (-0.0158, 0.219)),
+    "mean slope of K_T": Range(-1.5, -0.15, "", (-0.513, -0.386)),
 }
 
 # Trials and points of self-propulsion are at the scale of their ship; n by the point's own speed.

@@ -216,7 +216,7 @@ def test_a_ship_file_from_outside_the_package(own_ship):
         (
             'value = 3.27, unit = "m3"',
             'value = 32.7, unit = "m3"',
-            ["hull.volume = 32.7 m3", "0.25 to 0.95 L B d"],
+            ["hull.volume = 32.7 m3", "0.25 to 1 L B d"],
         ),
         (
             'value = 0.0539, unit = "m2" }',

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import shutil
 import warnings
 
@@ -45,6 +46,11 @@ REFUSED = [
     ("A_R = { value = 0.0539", "A_R = { value = 112.5", "rudder.A_R = 112.5 m2 = 34.94 L d"),
     ("J_range = [0.0, 0.8]", "J_range = [0.8, 0.0]", "open_water.J_range = [0.8, 0.0]"),
     ("J_range = [0.0, 0.8]", "J_range = [1, 0]", "low < high"),
+    (
+        "K_T = [0.2931, -0.2753, -0.1385]",
+        "K_T = [0.2931, -0.1]",
+        "open_water.mean slope of K_T = -0.1",
+    ),
     ("speed = { value = 1.179", "speed = { value = 0", "speed = 0 m/s"),
     ("full_length = { value = 320.0", "full_length = { value = -320.0", "full_length = -320 m"),
     ("full_length = { value = 320.0", "full_length = { value = 0", "full_length = 0 m"),
@@ -148,6 +154,23 @@ def test_all_findings_are_told_at_once(own):
     ):
         assert words in text
     assert len(text.splitlines()) == 10
+
+
+def test_what_estimates_need_is_missing_where_it_is(tmp_path):
+    path = tmp_path / "mine.toml"
+    text = (DATA / "onrt_model" / "ship.toml").read_text().replace('default = "G2_SA"', "")
+    path.write_text(re.sub(r"\n(B|N_r) = .*", "", text))
+    with pytest.raises(ConfigError) as error:
+        load_ship(path)
+    assert [line.split("mine.toml: ")[1] for line in str(error.value).splitlines()] == [
+        "missing key hull.'B'; hull.estimate = true fills up only added masses and derivatives"
+    ]
+
+
+def test_limits_without_an_end_are_in_words():
+    ship = dataclasses.replace(changed("propeller", t_P=1.2), strict=False)
+    with pytest.raises(ConfigError, match=r"propeller.t_P = 1.2: allowed is 0.99 or less$"):
+        load_ship(ship)
 
 
 def test_one_slip_is_one_finding(own):
