@@ -193,7 +193,6 @@ def board(x, lo, hi, first, fleet):
         x.command[0, i], x.command[1, i] = fleet.commands[ship, 0], fleet.commands[ship, 1]
         x.dt[i], x.steps[i] = fleet.clock[ship, 0], int(fleet.clock[ship, 1])
         x.kind[i] = fleet.ships[ship].kind
-        x.most[0, i], x.most[1, i] = 0.0, 0.0
         most = max(most, x.steps[i])
         if fleet.traits.each is not None or i == lo:
             fill_lane(x, i, fleet.ships[ship])
@@ -256,12 +255,14 @@ def move(x, lo, hi, step):
 
 
 @kernel
-def watch(x, lo, hi):
+def watch(x, lo, hi, step):
     """Keep the largest speed squared and yaw rate of every lane in the steps before its last."""
     for i in range(lo, hi):
         u, v, r = x.start[U, i], x.start[V, i], x.start[R, i]
-        x.most[0, i] = max(x.most[0, i], u * u + v * v)
-        x.most[1, i] = max(x.most[1, i], abs(r))
+        square, turn = u * u + v * v, abs(r)
+        if step > 0:
+            square, turn = max(x.most[0, i], square), max(x.most[1, i], turn)
+        x.most[0, i], x.most[1, i] = square, turn
 
 
 @composed
@@ -276,19 +277,21 @@ def look(x, lo, hi, first, step, fleet):
 
 
 @kernel
-def within(x, i, fastest, turn):
+def within(x, i, fastest, turn, most):
     """Whether speed and yaw rate of a lane have been those of a ship in every step.
 
     Speeds are over ground; the current's parts are added to what is allowed: that takes no root.
     """
     u, v, r = x.start[U, i], x.start[V, i], x.start[R, i]
     fastest += abs(x.current[0, i]) + abs(x.current[1, i])
-    fast = max(x.most[0, i], u * u + v * v) <= fastest * fastest
-    return fast and max(x.most[1, i], abs(r)) <= turn
+    square, yaw = u * u + v * v, abs(r)
+    if most > 1:
+        square, yaw = max(x.most[0, i], square), max(x.most[1, i], yaw)
+    return square <= fastest * fastest and yaw <= turn
 
 
 @composed
-def land(x, lo, hi, first, fleet):
+def land(x, lo, hi, first, most, fleet):
     """Write the states back and let time go on; returns how many of the lanes are ships still."""
     alive = 0
     for i in range(lo, hi):
@@ -298,7 +301,9 @@ def land(x, lo, hi, first, fleet):
             total += abs(x.start[k, i])
         fleet.state[ship, DELTA], fleet.state[ship, N] = x.delta[START, i], x.n[START, i]
         fleet.time[ship] += x.dt[i] * x.steps[i]
-        good = math.isfinite(total) and within(x, i, fleet.limits[ship, 0], fleet.limits[ship, 1])
+        good = math.isfinite(total) and within(
+            x, i, fleet.limits[ship, 0], fleet.limits[ship, 1], most
+        )
         fleet.lost[ship] = not good
         alive += 1 if good else 0
     return alive
@@ -344,9 +349,9 @@ def sail_block(x, lo, hi, first, fleet):
                     report(x, lo, hi, first, fleet)
         move(x, lo, hi, step)
         if step + 1 < most:
-            watch(x, lo, hi)
+            watch(x, lo, hi, step)
         look(x, lo, hi, first, step, fleet)
-    return land(x, lo, hi, first, fleet)
+    return land(x, lo, hi, first, most, fleet)
 
 
 @kernel
