@@ -13,7 +13,7 @@ pyproject.toml allows, and runs the tests in it that say most in little time: ph
 tracks, tasks, environments, evaluation and the command line. First the scalar environments with
 the lowest gymnasium, then everything with the lowest that has the native vector environment.
 
-  --extras NAMES   also the lowest versions of these extras, as in pip: rl,plot
+  --extras NAMES   extras whose lowest versions are there too, as in pip (default benchmark)
   -h, --help       this text
   Anything else goes to pytest: files named here are run instead of the usual ones.
 
@@ -22,17 +22,17 @@ default 2).
 
 Examples:
   bash scripts/test_lowest.sh
-  bash scripts/test_lowest.sh --extras plot tests/plotting
+  bash scripts/test_lowest.sh --extras fit,plot tests/plotting tests/surrogates/test_fit.py
 HELP
 }
 
-extras=()
+extras=(benchmark)
 arguments=()
 while [ $# -gt 0 ]; do
     case "$1" in
     -h | --help) usage && exit 0 ;;
     --extras)
-        [ $# -gt 1 ] || die "--extras needs names, such as rl,plot"
+        [ $# -gt 1 ] || die "--extras needs names, such as fit,plot"
         IFS=, read -ra extras <<<"$2"
         shift
         ;;
@@ -51,6 +51,7 @@ USUAL=(
     tests/ships/{test_loader,test_estimators,test_form,test_records,test_scaling}.py
     tests/tracks tests/tasks tests/scenarios
     tests/evaluation/{test_metrics,test_rollout,test_splits,test_statistics,test_suite}.py
+    tests/evaluation/{test_episodes_table,test_trajectory_table}.py tests/plotting/test_benchmark.py
     tests/test_{config,conventions,csv_file,import,simulation,tables}.py
 )
 
