@@ -13,7 +13,8 @@ import struct
 import zipfile
 
 import numpy as np
-from _fuzz_mutate import bytes_edit, json_edit, json_text_of, pick, text_edit, tree_edit
+from _fuzz_mutate import bytes_edit, json_edit, pick, text_edit, tree_edit
+from _fuzz_values import json_text
 
 _KINDS = ("f4", "f2", "i8", "u1", "?", "c16", "S3", "U3", ">f8", "M8[s]")
 _FILLS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, -1e300, 5e-324)
@@ -26,6 +27,7 @@ class _Pickled:
         return exec, ("raise SystemError('code of a file ran')",)
 
 
+@np.errstate(all="ignore")
 def array_edit(rng: np.random.Generator, array: np.ndarray) -> np.ndarray:
     """An array with other numbers, shape or type."""
     how = rng.integers(7)
@@ -41,11 +43,10 @@ def array_edit(rng: np.random.Generator, array: np.ndarray) -> np.ndarray:
     if how == 3:
         return pick(rng, (array.T, array.ravel(), array[None], np.empty(0), np.float64(1.0)))
     if how == 4:
-        with np.errstate(all="ignore"):
-            try:
-                return array.astype(pick(rng, _KINDS))
-            except (ValueError, TypeError):
-                return np.zeros(array.shape, "S3")
+        try:
+            return array.astype(pick(rng, _KINDS))
+        except (ValueError, TypeError):
+            return np.zeros(array.shape, "S3")
     if how == 5 and array.dtype.kind in "fiu":
         return array * pick(rng, (0.0, -1.0, 1e-9, 1e3, 1e9, 1e200))
     if how == 6 and array.ndim and len(array) > 1:
@@ -55,7 +56,7 @@ def array_edit(rng: np.random.Generator, array: np.ndarray) -> np.ndarray:
 
 def npz_edit(rng: np.random.Generator, data: bytes) -> bytes:
     """An npz file with an array, its name, its JSON or its bytes changed."""
-    members = _members(data)
+    members = members_of(data)
     if rng.random() < 0.25 or not members:
         return bytes_edit(rng, data)
     name, how = pick(rng, list(members)), rng.random()
@@ -72,7 +73,8 @@ def npz_edit(rng: np.random.Generator, data: bytes) -> bytes:
     return _zipped(rng, members)
 
 
-def _members(data: bytes) -> dict[str, bytes]:
+def members_of(data: bytes) -> dict[str, bytes]:
+    """Files of an archive by name; none, if it is damaged."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             return {name: archive.read(name) for name in archive.namelist()}
@@ -147,7 +149,7 @@ def policy_edit(rng: np.random.Generator, data: bytes) -> bytes:
             tensors["x" + name] = tensors.pop(name)
     try:
         head |= {"card": card, "digest": _digest(card, tensors)}
-        return save(tensors, metadata={_MARK: json_text_of(head)})
+        return save(tensors, metadata={_MARK: json_text(head)})
     except Exception:  # a type that the format does not have, a number that JSON does not
         return _header_edit(rng, data, length)
 
@@ -161,7 +163,7 @@ def _header_edit(rng: np.random.Generator, data: bytes, length: int) -> bytes:
 
 def old_policy_edit(rng: np.random.Generator, data: bytes) -> bytes:
     """A policy of version 0.1: an archive of a card and two npz files."""
-    members = _members(data)
+    members = members_of(data)
     if rng.random() < 0.2 or not members:
         return bytes_edit(rng, data)
     name = pick(rng, sorted(members))

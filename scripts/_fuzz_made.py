@@ -139,13 +139,18 @@ def old_policies() -> Iterator[Seed]:
 
 
 def run_cards() -> Iterator[Seed]:
-    """The card of a run of training, as ``train --resume`` reads it."""
+    """The card of a run of training and the state of a checkpoint, as ``--resume`` reads them."""
     from ship_gym_agents.sb3.config import plain, run_config
 
+    validation = {"samples": 1000, "success": 1.0, "return": -3.2, "rudder_travel": 1.5, "rms": 2.0}
+    told = {"samples": 1000, "seconds": 3.0, "validations": [validation]}
     for algorithm in ("ppo", "sac"):
-        card = {"config": plain(run_config(algorithm)), "versions": {}, "git_commit": "0"}
-        card |= {"measure": {"name": "rms", "unit": "deg"}, "validation_seeds": [0, 1]}
+        card = {"name": algorithm, "status": "stopped", "config": plain(run_config(algorithm))}
+        card |= {"budget": {"minutes": 1.0, "steps": None}, "used": 0.5, "best": validation, **told}
+        card |= {"measure": {"name": "rms", "unit": "deg"}, "validation_seeds": [1000000, 1000007]}
         yield Seed(algorithm, {"card.json": json.dumps(card, indent=1).encode()})
+    state = {"episodes": 8, "limit": None, "validated": 1.0, **told}
+    yield Seed("state", {"state.json": json.dumps(state).encode()}, {"state": True})
 
 
 def settings_files() -> Iterator[Seed]:
@@ -172,6 +177,7 @@ def references() -> Iterator[Seed]:
 def results() -> Iterator[Seed]:
     """A table of a benchmark with few episodes."""
     from ship_gym.evaluation.episodes_table import Results, table_of, write_results
+    from ship_gym.provenance import provenance
 
     rows = [
         {
@@ -184,9 +190,22 @@ def results() -> Iterator[Seed]:
         for ship in ("kcs", "onrt")
         for k in range(3)
     ]
+    suite = {"version": 1, "title": "core", "sha256": "0", "scenarios": ["heading_keeping"]}
+    about = {
+        "suites": {"core": suite | {"controls": {}, "tasks": {}}},
+        "seeds": [0, 1, 2],
+        "ships": ["kcs", "onrt"],
+        "controllers": {"pid": {}},
+        "refused": [],
+        "patience": 60.0,
+        "computing_time": 1.5,
+        "machine": {"processor": "none", "cores": 2},
+        "command": "ship-gym benchmark",
+        **provenance(),
+    }
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "episodes.parquet"
-        write_results(path, Results(table_of(rows), {"suites": ["core"], "seeds": [0, 3]}))
+        write_results(path, Results(table_of(rows), about))
         yield Seed("results", {"episodes.parquet": path.read_bytes()})
 
 

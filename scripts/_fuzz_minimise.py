@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import io
 import json
 import time
 import tomllib
@@ -11,8 +12,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from _fuzz_binary import members_of
 from _fuzz_formats import Case, case, good
-from _fuzz_judge import Verdict, judged
+from _fuzz_judge import judged
 
 _SECONDS = 6.0  # for the search of one smallest case
 _LINES = (".toml", ".csv", ".json", ".geojson", ".obj", ".gdf", ".off", ".ply", ".stl", ".words")
@@ -35,7 +38,7 @@ def smallest(seed: int, number: int, kind: str, folder: Path) -> tuple[Case, lis
     def same(one: Case) -> bool:
         nonlocal count
         count += 1
-        return _kind(judged(one, folder / f"m{number}_{count}")) == kind
+        return judged(one, folder / f"m{number}_{count}").kind == kind
 
     found = case(seed, number)
     found = _fewer_edits(seed, found, same)
@@ -44,10 +47,6 @@ def smallest(seed: int, number: int, kind: str, folder: Path) -> tuple[Case, lis
         if name.endswith(_LINES) and b"\0" not in found.files[name]:
             found = _fewer_lines(found, name, same, end)
     return found, told
-
-
-def _kind(found: Verdict) -> str:
-    return found.kind
 
 
 def _fewer_edits(seed: int, found: Case, same: Callable[[Case], bool]) -> Case:
@@ -143,20 +142,14 @@ def _flat(tree: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 def _members(name: str, old: bytes, new: bytes) -> Iterator[str]:
     """Arrays of an npz file that differ."""
-    from _fuzz_binary import _members as members
-
     if name.endswith((".npz", ".zip")):
-        a, b = members(old), members(new)
+        a, b = members_of(old), members_of(new)
         for key in {**a, **b}:
             if a.get(key) != b.get(key):
                 yield f"{key}: {_array(a.get(key))} -> {_array(b.get(key))}"
 
 
 def _array(data: bytes | None) -> str:
-    import io
-
-    import numpy as np
-
     if data is None:
         return "(none)"
     try:

@@ -13,12 +13,13 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from _fuzz_values import Raw, json_text, odd, scaled, toml
+from _fuzz_values import json_text, odd, scaled, toml
 
 Edit = Callable[[np.random.Generator, bytes], bytes]
 _PIECES = (
     b"\x00", b"\xff", b"\xef\xbb\xbf", b"\xff\xfe", b"\n", b"\r", b"\t", b",", b";", b'"', b"=",
     b"[", b"]", b"{", b"}", b"nan", b"1e999", b"-", b"9" * 400, b"[" * 3000, b"#", b"\xc3\xa9",
+    b"\n" + b"a." * 20_000 + b"a = 1\n",
 )  # fmt: skip
 
 
@@ -89,14 +90,9 @@ def _word(rng: np.random.Generator, line: bytes) -> bytes:
     """A line with one word or number replaced."""
     words = line.split(b" ")
     value = odd(rng)
-    text = str(value) if isinstance(value, str | float) else json_text_of(value)
+    text = str(value) if isinstance(value, str | float) else json_text(value)
     words[int(rng.integers(len(words)))] = text.encode("utf-8", "replace")
     return b" ".join(words)
-
-
-def json_text_of(value: Any) -> str:
-    """A value as JSON, whatever it is."""
-    return json_text(value)
 
 
 # --- trees of TOML and JSON ----------------------------------------------------------------------
@@ -104,7 +100,7 @@ def json_text_of(value: Any) -> str:
 
 def toml_edit(rng: np.random.Generator, data: bytes) -> bytes:
     """A TOML file with a value, a key or a section of it changed."""
-    return _tree_file(rng, data, lambda text: tomllib.loads(text), toml)
+    return _tree_file(rng, data, tomllib.loads, toml)
 
 
 def json_edit(rng: np.random.Generator, data: bytes) -> bytes:
@@ -129,10 +125,14 @@ def tree_edit(rng: np.random.Generator, tree: Any) -> Any:
     places = list(_places(tree))
     if not places:
         return odd(rng)
+    numbers = [(h, k) for h, k in places if _is_number(h[k])]
+    if numbers and rng.random() < 0.45:  # most of a tree may be text, which little depends on
+        holder, key = pick(rng, numbers)
+        holder[key] = scaled(rng, holder[key])
+        return tree
     holder, key = _place(rng, places)
     value, how = holder[key], rng.random()
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if how < 0.45 and number:
+    if how < 0.45 and _is_number(value):
         holder[key] = scaled(rng, value)
     elif how < 0.60:
         holder[key] = odd(rng)
@@ -148,6 +148,10 @@ def tree_edit(rng: np.random.Generator, tree: Any) -> Any:
     else:
         holder[key] = pick(rng, ([value], {"value": value}, str(value)[:200], {key: value}))
     return tree
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _places(tree: Any, depth: int = 0):
@@ -243,6 +247,3 @@ def _column(rng: np.random.Generator, lines: list[str], body: list[int]) -> None
         elif n:
             cells[j] = value
         lines[k] = ",".join(cells)
-
-
-__all__ = ["Edit", "Raw", "bytes_edit", "csv_edit", "json_edit", "pick", "text_edit", "toml_edit"]

@@ -117,9 +117,9 @@ def controller(path: Path, **_: Any) -> None:
     from ship_gym.envs.vector_env import ShipVectorEnv
 
     made = make_controller(path)
-    asked = trained_for(made) or {"scenario": "heading_keeping"}
-    if "track" in path.name or "los" in path.name:
-        asked["scenario"] = asked.get("scenario", "track_calm")
+    task = "track_calm" if "los" in path.name or "track" in path.name else "heading_keeping"
+    task = "course_calm" if "course" in path.name else task
+    asked = {"scenario": task} | trained_for(made)
     env = ShipVectorEnv(2, **asked)
     observations, _ = env.reset(seed=0)
     made.reset(2, env.ship, env.scenario)
@@ -167,11 +167,16 @@ def ranges(path: Path, algorithm: str = "ppo", **_: Any) -> None:
     load_ranges(algorithm, path, given | {"settings": symmetric})
 
 
-def run_card(path: Path, **_: Any) -> None:
-    """The config of the run in the folder of a card."""
+def run_card(path: Path, state: bool = False, **_: Any) -> None:
+    """The card of the run in a folder and its config; or what a checkpoint says of the run."""
     from ship_gym_agents.sb3.config import load_config, plain
+    from ship_gym_agents.sb3.run_card import read_run_card, read_run_state
 
-    plain(load_config(path.parent))
+    if state:
+        read_run_state(path)
+    else:
+        read_run_card(path)
+        plain(load_config(path.parent))
 
 
 def settings(path: Path, **_: Any) -> None:
@@ -180,7 +185,7 @@ def settings(path: Path, **_: Any) -> None:
 
     folder = RunFolder(path.parent)
     found = folder.settings()
-    folder.kept(0)
+    folder.kept(0, [0])
     if found is not None:
         folder.begin(SETTINGS, fresh=False)
 
@@ -194,10 +199,13 @@ def references(path: Path, **_: Any) -> None:
 
 
 def results(path: Path, **_: Any) -> None:
-    """A table of a benchmark, and its rows."""
+    """A table of a benchmark, its rows, and the scores that its page tells."""
     from ship_gym.evaluation.episodes_table import read_results
+    from ship_gym.evaluation.report.benchmark import judge
 
-    read_results(path).rows()
+    found = read_results(path)
+    found.rows()
+    judge(found)
 
 
 # --- tables of numbers ---------------------------------------------------------------------------

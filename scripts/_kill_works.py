@@ -55,6 +55,7 @@ def works() -> dict[str, Work]:
     """All works by name that the installed libraries allow."""
     made = {
         "train": Work(_train, _broken_run, _result_of_run, "used up"),
+        "seeds": Work(_train_seeds, _broken_seeds, _result_of_seeds),
         "tune": Work(_tune, _broken_gains, _gains),
         "benchmark": Work(_benchmark, _broken_benchmark, _rows),
         "record": Work(_record, _broken_recordings, _recordings, warm=_record_csv),
@@ -116,15 +117,16 @@ def _train_ppo() -> None:
     _train("ppo", 512)
 
 
-def _generation(folder: Path) -> Path | None:
-    return max(folder.glob("run/checkpoint/[0-9]*"), default=None)
+def _generation(run: Path) -> Path | None:
+    return max(run.glob("checkpoint/[0-9]*"), default=None)
 
 
-def _broken_run(folder: Path, _: Any) -> str:
+def _broken_run(folder: Path, _: Any, name: str = "run") -> str:
     """The last generation is whole and of one moment; the copies can be read."""
     from ship_gym_agents.policies.policy_file import load_policy
 
-    last, run = _generation(folder), folder / "run"
+    run = folder / name
+    last = _generation(run)
     if (run / "card.json").is_file():
         json.loads((run / "card.json").read_text())
     elif last is not None:
@@ -146,9 +148,10 @@ def _broken_run(folder: Path, _: Any) -> str:
     return ""
 
 
-def _end_of_run(folder: Path) -> Any:
+def _end_of_run(folder: Path, name: str = "run") -> Any:
     """What any complete run has: the copies are those of its last generation."""
-    run, last = folder / "run", _generation(folder)
+    run = folder / name
+    last = _generation(run)
     card = json.loads((run / "card.json").read_text())
     same = all(
         (run / name).read_bytes() == (last / name).read_bytes()
@@ -157,16 +160,52 @@ def _end_of_run(folder: Path) -> Any:
     return {"status": card["status"], "copies": same, "enough": card["used"] >= 1.0}
 
 
-def _result_of_run(folder: Path) -> Any:
+def _result_of_run(folder: Path, name: str = "run") -> Any:
     """Weights, samples and validations; Gauss-Newton goes on exactly where it was."""
     from ship_gym_agents.policies.policy_file import load_policy
 
-    card = json.loads((folder / "run" / "card.json").read_text())
+    card = json.loads((folder / name / "card.json").read_text())
     found = [{k: v for k, v in one.items() if k != "seconds"} for one in card["validations"]]
-    weights = load_policy(folder / "run").network.tensors()
+    weights = load_policy(folder / name).network.tensors()
     weights = {name: array.tolist() for name, array in weights.items()}
     about = {"weights": weights, "validations": found, "samples": card["samples"]}
-    return about | {k: v for k, v in _end_of_run(folder).items() if k != "enough"}
+    return about | {k: v for k, v in _end_of_run(folder, name).items() if k != "enough"}
+
+
+def _train_seeds() -> None:
+    from ship_gym_agents.training import run as validations
+    from ship_gym_agents.training.seeds import train_seeds
+
+    validations.EPISODES = (4,)
+    train_seeds(_config("gauss_newton"), "run", 2, steps=1500, resume=True, final=False)
+
+
+def _seed_folders(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.glob("run/seed_*") if path.is_dir())
+
+
+def _broken_seeds(folder: Path, _: Any) -> str:
+    """Each seed as a run, and what is of all agrees with them where it is complete."""
+    from ship_gym_agents.policies.policy_file import load_policy
+
+    found = [_broken_run(seed, None, "") for seed in _seed_folders(folder)]
+    card = folder / "run" / "card.json"
+    if card.is_file() and json.loads(card.read_text())["status"] == "complete":
+        _result_of_seeds(folder)
+    if (folder / "run" / "policy.safetensors").is_file():
+        load_policy(folder / "run")
+    return "; ".join(filter(None, found))
+
+
+def _result_of_seeds(folder: Path) -> Any:
+    run = folder / "run"
+    card, told = (json.loads((run / name).read_text()) for name in ("card.json", "summary.json"))
+    seeds = _seed_folders(folder)
+    kept = (seeds[card["median"]["place"]] / "policy.safetensors").read_bytes()
+    same = kept == (run / "policy.safetensors").read_bytes() and card["runs"] == told["runs"]
+    runs = [{k: v for k, v in one.items() if k != "seconds"} for one in card["runs"]]
+    found = [_result_of_run(seed, "") for seed in seeds]
+    return {"status": card["status"], "copies": same, "runs": runs, "seeds": found}
 
 
 # --- tuning -----------------------------------------------------------------------------------

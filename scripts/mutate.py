@@ -11,7 +11,6 @@ import subprocess
 import sys
 import tempfile
 import time
-import tomllib
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -20,7 +19,9 @@ from _cli import parser, run, show
 from _mutants import AREAS, KINDS, Mutant, draw
 
 from ship_gym.config import ConfigError
+from ship_gym.keys import Keys
 from ship_gym.provenance import atomic_path, check_place
+from ship_gym.reading import parsed_json, read_json, read_text, read_toml
 from ship_gym.text import table as aligned
 
 HELP = """\
@@ -147,15 +148,18 @@ def hash_of(names) -> str:
 
 def equivalents() -> dict[str, str]:
     """Reasons by key of the faults that change nothing."""
-    with EQUIVALENT.open("rb") as stream:
-        return {one["key"]: one["reason"] for one in tomllib.load(stream).get("mutant", [])}
+    where = str(EQUIVALENT)
+    listed = Keys(read_toml(EQUIVALENT), where).items("mutant", [])
+    found = [Keys(one, where, f"mutant[{k}]") for k, one in enumerate(listed)]
+    return {one.text("key"): one.text("reason") for one in found}
 
 
 def finished(out: Path, tests: str) -> dict[str, dict]:
     """Results that still hold, by key."""
-    lines = out.read_text().splitlines() if out.is_file() else []
-    found = {one["key"]: one for one in map(json.loads, lines)}
-    return {k: one for k, one in found.items() if one["state"] == "killed" or one["tests"] == tests}
+    lines = read_text(out).splitlines() if out.is_file() else []
+    rows = [Keys(parsed_json(line, f"{out}:{k}"), f"{out}:{k}") for k, line in enumerate(lines, 1)]
+    kept = [one for one in rows if one.text("state") == "killed" or one.text("tests") == tests]
+    return {one.text("key"): dict(one.values) for one in kept}
 
 
 def copied(folder: Path) -> Path:
@@ -197,7 +201,7 @@ def baseline(copies: queue.Queue, args) -> tuple[dict[str, dict[int, list[str]]]
     """Which tests run each line of each module, and the time of each test [s], without a fault."""
     store = args.out.with_suffix(".baseline.json")
     stamp = hash_of([*TESTS, *(folder for folder, _ in AREAS.values())])
-    if store.is_file() and (kept := json.loads(store.read_text()))["stamp"] == stamp:
+    if store.is_file() and (kept := read_json(store))["stamp"] == stamp:
         lines = {p: {int(k): v for k, v in of.items()} for p, of in kept["lines"].items()}
         return lines, kept["times"]
     note("Finding out which test runs which line, some minutes ...")

@@ -118,7 +118,8 @@ def findings(ship: Ship, simulation: Callable[[Ship, int], Any]) -> tuple[str, .
         sim.reset(0, speed=ship.speed)
         sim.set_interval(_EVERY * ship.hull.L / ship.speed)
     except ConfigError as error:
-        return (str(error).removeprefix(f"{ship.name} "),)
+        lines = str(error).splitlines()
+        return tuple(line.removeprefix(ship.name).removeprefix(":").strip() for line in lines)
     held = tuple(_no_resistance(ship, sim))
     history = sailed(ship, sim)
     whole = np.isfinite(history).all(axis=(0, 2))

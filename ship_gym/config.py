@@ -24,8 +24,7 @@ from ship_gym.conventions import KNOT
 LONGEST = 300  # characters of a line of an error
 _MOST_NAMES = 100  # characters of the known names in it
 MOST_FINDINGS = 100  # lines of an error
-# a long path and its last three names
-_LONG_PATH = re.compile(r"[^\s'\"]{20,}(/[^\s'\"/]*/[^\s'\"/]*/[^\s'\"/]*)")
+_LONG_WORD = re.compile(r"[^\s'\"]{24,}")
 # no quantity of a ship or a sea is smaller, but zero, or larger
 SMALLEST, LARGEST = 1e-30, 1e30
 
@@ -49,11 +48,17 @@ def cut(line: str, most: int = LONGEST) -> str:
     """A line of at most `most` characters: long paths lose their beginning, then it its middle."""
     line = "".join(c if c.isprintable() else " " for c in line)
     if len(line) > most:
-        line = _LONG_PATH.sub(r"...\1", line)
+        line = _LONG_WORD.sub(_end_of_path, line)
     if len(line) <= most:
         return line
     half = (most - 5) // 2
     return f"{line[:half]} ... {line[-half:]}"
+
+
+def _end_of_path(word: re.Match) -> str:
+    """The last three names of a long path; another word as it is."""
+    names = word[0].split("/")
+    return "/".join(["...", *names[-3:]]) if len(names) > 4 else word[0]
 
 
 def shown(value: object, most: int = 60) -> str:
@@ -288,10 +293,10 @@ def _convert(kind: Any, value: Any, where: str) -> Any:
         if dataclasses.is_dataclass(value):
             return value
         return _build(kind, value, where)
-    if typing.get_origin(kind) is tuple:
+    if (sequence := typing.get_origin(kind)) in (tuple, list):
         if not isinstance(value, list | tuple | np.ndarray):
             raise ConfigError(f"{where} = {shown(value)}: must be a list")
-        return tuple(_convert(typing.get_args(kind)[0], item, where) for item in value)
+        return sequence(_convert(typing.get_args(kind)[0], item, where) for item in value)
     if dict in (kind, typing.get_origin(kind)):
         if not isinstance(value, Mapping):
             raise ConfigError(f"{where} = {shown(value)}: must be a table of keys")

@@ -91,7 +91,8 @@ def locked(path: str | os.PathLike, doing: str, what: str | os.PathLike = "") ->
 def held(path: str | os.PathLike, doing: str) -> Iterator[None]:
     """Hold a file that takes long to make, so that of two who make it one is refused at once.
 
-    By a lock ``.NAME.lock`` beside it, which is removed at the end.
+    By a lock ``.NAME.lock`` beside it, which is removed at the end, as are folders that were made
+    for it where nothing was written into them.
 
     Parameters
     ----------
@@ -107,12 +108,16 @@ def held(path: str | os.PathLike, doing: str) -> Iterator[None]:
     """
     file = followed(Path(path))
     lock = file.with_name(f".{file.name}.lock")
+    new = [p for p in (lock.parent, *lock.parent.parents) if not p.exists()]
     with locked(lock, doing, path):
         try:
             yield
         finally:
             if os.name != "nt":  # which removes no open file
                 lock.unlink(missing_ok=True)
+            for folder in new:  # nothing was written: none is left
+                with contextlib.suppress(OSError):
+                    folder.rmdir()
 
 
 def take_lock(file: IO[bytes]) -> bool:

@@ -23,10 +23,11 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import LARGEST, ConfigError, nearest, shown
+from ship_gym.config import LARGEST, ConfigError, cut, nearest, shown
 
 MOST = 1 << 29  # [bytes] of a file, packed or not
 _MOST_TEXT = 1 << 26  # [bytes] of a file of text
+_MOST_TOLD = 150  # characters of what a parser says: the file is to be named, too
 
 # Byte order marks; the longer ones first, since that of UTF-16 begins that of UTF-32.
 _MARKS = {
@@ -59,7 +60,7 @@ def read_bytes(path: str | os.PathLike, most: int = MOST) -> bytes:
                 raise ConfigError(f"{path}: allowed is a file, not a device, a pipe or a folder")
             if state.st_size > most:
                 raise ConfigError(f"{path}: {state.st_size} bytes: allowed are at most {most}")
-            return file.read(most)
+            return file.read(state.st_size)  # of a limit alone, all of it would be allocated
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None
     except OSError as error:
@@ -92,7 +93,7 @@ def read_as(path: str | os.PathLike, what: str) -> Iterator[None]:
     except RecursionError:
         raise ConfigError(f"{path}: not {what}: nested too deep") from None
     except Exception as error:
-        told = " ".join(str(error).split()) or type(error).__name__
+        told = cut(" ".join(str(error).split()), _MOST_TOLD) or type(error).__name__
         if isinstance(error, KeyError):
             told = f"no {told}"
         raise ConfigError(f"{path}: not {what}, or damaged: {told}") from None

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, build, check_number, nearest, shown
+from ship_gym.config import ConfigError, build, check_number, nearest, shown, told_of
 from ship_gym.provenance import atomic_path
 from ship_gym.reading import check_array, json_head, read_npz
 
@@ -150,11 +150,9 @@ class Table:
             raise ConfigError(f"{path}: no such table file")
         arrays = read_npz(path, "values", "meta", what="a table file")
         meta = build(_Meta, json_head(arrays["meta"], path), str(path))
-        try:
+        with told_of(path):
             axes = tuple(build(Axis, axis, f"axis {k}") for k, axis in enumerate(meta.axes))
             return cls(axes, meta.names, arrays["values"], meta.card)
-        except ConfigError as error:
-            raise ConfigError(f"{path}: {error}") from None
 
 
 @dataclasses.dataclass(frozen=True)

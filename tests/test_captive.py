@@ -12,6 +12,7 @@ from ship_gym.config import ConfigError
 from ship_gym.physics.dynamics import accelerations
 from ship_gym.physics.quantities import Force, Motion
 from ship_gym.ships import load_ship, scaled
+from ship_gym.ships.plausible import checked
 from ship_gym.simulation import straight_forces
 from tests.conftest import forces, symmetric, tables_of
 
@@ -81,12 +82,11 @@ def test_inertia_of_pure_yaw_by_hand():
     assert found["X_in2"] == pytest.approx(-b.m_u / q * 0.5 * chi * chi * omega, rel=0.02)
 
 
-@pytest.mark.filterwarnings("ignore::ship_gym.config.ImplausibleShip")
 def test_damping_of_pure_yaw_by_hand():
     """Without rudder and propeller: Y_out = (Y_r - m_u') r', N_out = (N_r - m' x_G') r'."""
     bare = dataclasses.replace(SHIP.rudder, A_R=1e-9)
     # alike to both sides, for the stopped screw drags as its wake does
-    ship, r = symmetric(dataclasses.replace(SHIP, rudder=bare, strict=False)), 1e-3
+    ship, r = symmetric(checked(dataclasses.replace(SHIP, rudder=bare, strict=False))), 1e-3
     (found,) = measure(ship, [Condition(1.179, 0.0, yaw_rate=r, omega=0.1)])
     b, h = ship.inertia, ship.hull
     assert found["Y_out"] == pytest.approx((h.Y_r - b.m_u / (Q * L)) * r, rel=1e-3)

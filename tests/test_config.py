@@ -1,9 +1,19 @@
 import dataclasses
 import math
+import time
 
 import pytest
 
-from ship_gym.config import ConfigError, build, check_angle, check_known, check_number, merged
+from ship_gym.config import (
+    LONGEST,
+    ConfigError,
+    build,
+    check_angle,
+    check_known,
+    check_number,
+    cut,
+    merged,
+)
 from ship_gym.reading import read_text, read_toml
 
 
@@ -123,3 +133,11 @@ def test_read_text_falls_back_only_where_it_may(tmp_path):
         read_text(path)
     with pytest.raises(ConfigError, match="cannot be read"):
         read_text(tmp_path)
+
+
+def test_a_long_line_loses_the_beginning_of_a_path_in_no_time():
+    path = f"/tmp/{'folder/' * 60}mine.toml"
+    assert cut(f"{path}: x = 7") == ".../folder/folder/mine.toml: x = 7"
+    start = time.process_time()
+    assert max(len(cut(c * 200_000)) for c in ("a", "/", "a/", "'")) <= LONGEST
+    assert time.process_time() - start < 2.0

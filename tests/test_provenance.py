@@ -163,6 +163,9 @@ def test_a_file_is_held_by_one_process(tmp_path):
     with held(path, "tunes into this file"):
         pass
     assert not os.listdir(tmp_path) or os.name == "nt"
+    with pytest.raises(RuntimeError), held(tmp_path / "new" / "deeper" / "a.toml", "tunes"):
+        raise RuntimeError("refused")
+    assert not os.listdir(tmp_path) or os.name == "nt"
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EFBIG, errno.EDQUOT])

@@ -12,6 +12,7 @@ from ship_gym.conventions import KNOT
 from ship_gym.manoeuvres import imo_limits
 from ship_gym.sea import Sea
 from ship_gym.ships import load_ship
+from ship_gym.ships.plausible import checked
 from ship_gym.ships.powering import powering
 from ship_gym.ships.scaling import scaled
 from ship_gym.simulation import ShipSim, longest_step, self_propulsion, straight_forces
@@ -100,12 +101,11 @@ def test_kcs_coasts_with_a_locked_propeller(deduction, reach):
     assert sim.state[0, 3] / ship.hull.L == pytest.approx(reach, abs=0.5)
 
 
-@pytest.mark.filterwarnings("ignore::ship_gym.config.ImplausibleShip")
 def test_coasting_by_hand():
     """Resistance and drag go with u^2: u = U0 / (1 + t / tau), x = tau U0 ln(U0 / u)."""
     ship = load_ship("kvlcc2")
     engine = dataclasses.replace(ship.engine, rate=1e6, time_constant=0.0, torque_max=math.inf)
-    ship = dataclasses.replace(ship, engine=engine, strict=False)
+    ship = checked(dataclasses.replace(ship, engine=engine, strict=False))
     sim = ShipSim(ship, 1)
     sim.reset(0, n=0.0)
     sim.step(np.zeros((1, 2)), 1e-3)

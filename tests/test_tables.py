@@ -1,3 +1,6 @@
+import io
+import json
+
 import numpy as np
 import pytest
 
@@ -51,3 +54,67 @@ def test_bad_tables(tmp_path):
         Table((X,), ("a",), np.zeros((20, 1)))
     with pytest.raises(ConfigError, match="did you mean"):
         tabulate(plane, (X, Y), ("alpha", "b")).channel("alpa")
+
+
+def written(path, **changes):
+    """A file of a good table with other arrays or other entries of its text; None: left out."""
+    meta = {"axes": [vars(X) | {}], "names": ["a"], "card": {}}
+    values = changes.pop("values", np.zeros((21, 1)))
+    text = changes.pop(
+        "text", json.dumps({k: v for k, v in (meta | changes).items() if v is not None})
+    )
+    arrays = {"values": values, "meta": np.frombuffer(text.encode(), np.uint8)}
+    np.savez(path, **{k: v for k, v in arrays.items() if v is not None})
+    return path
+
+
+AXIS = {"name": "x", "start": 0.0, "step": 0.1, "count": 21}
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"values": None}, "not a table file: no array 'values'"),
+        ({"values": np.full((21, 1), np.inf)}, "values[0, 0] = inf: allowed"),
+        ({"values": np.full((21, 1), 1e300)}, "values[0, 0] = 1e+300: allowed"),
+        ({"values": np.zeros((20, 1))}, "table values has shape (20, 1): allowed is (21, 1)"),
+        ({"values": np.zeros((21, 1), np.float32)}, "of type float32: allowed is float64"),
+        ({"values": np.full((21, 1), "a")}, "are of type <U1: allowed is float64"),
+        ({"values": np.empty((21, 1), object)}, "not a table file, or damaged"),
+        ({"text": "["}, "not valid JSON"),
+        ({"text": "[" * 100_000}, "nested too deep"),
+        ({"text": "[1]"}, "its text holds [1]: allowed is a mapping"),
+        ({"card": None}, "missing key 'card'"),
+        ({"card": 7}, "card = 7: must be a table of keys"),
+        ({"axes": [float("nan")]}, "NaN is no number of JSON"),
+        ({"axes": [7]}, "axes = 7"),
+        ({"axes": []}, "0 axes: allowed are 1 to 3"),
+        ({"axes": [AXIS | {"step": 0}]}, "step = 0.0: allowed is above 0"),
+        ({"axes": [AXIS | {"step": 1e300}]}, "step = 1e+300: allowed"),
+        ({"axes": [AXIS | {"count": 10**400}]}, "count = an integer of 1329 bits"),
+        ({"axes": [AXIS | {"count": 1}]}, "count = 1: allowed is 2 to"),
+        ({"axes": [AXIS | {"stop": 1.0}]}, "unknown key 'stop'"),
+        ({"axes": [{"name": "x", "start": 0.0, "step": 1.0}]}, "missing key 'count'"),
+        ({"names": []}, "names = (): each is allowed once, none not"),
+        ({"names": [1]}, "names = 1: must be of type str"),
+    ],
+)
+def test_a_damaged_table_is_one_line(tmp_path, changes, words):
+    path = written(tmp_path / "t.npz", **changes)
+    with pytest.raises(ConfigError) as error:
+        Table.load(path)
+    text = str(error.value)
+    assert words in text and str(path) in text and "\n" not in text and len(text) <= 300
+
+
+def test_bytes_that_are_no_table(tmp_path):
+    tabulate(plane, (X, Y), ("a", "b")).save(tmp_path / "t.npz")
+    whole = (tmp_path / "t.npz").read_bytes()
+    flipped = bytearray(whole)
+    flipped[len(whole) // 2] ^= 255
+    single = io.BytesIO()
+    np.save(single, np.zeros(3))
+    for data in (b"", whole[:50], whole[:-10], bytes(flipped), single.getvalue()):
+        (tmp_path / "t.npz").write_bytes(data)
+        with pytest.raises(ConfigError, match=r"not a table file"):
+            Table.load(tmp_path / "t.npz")

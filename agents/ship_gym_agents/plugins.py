@@ -12,11 +12,32 @@ from typing import Any
 from ship_gym.config import ConfigError, check_known
 from ship_gym.evaluation.controller import Controller, check_controller
 from ship_gym.own_files import load_file, split, told
+from ship_gym_agents.gains_files import kind_of
 
 
 def is_own(text: str) -> bool:
     """Whether a name means a file of Python: ``file.py`` or ``file.py:Name``."""
     return split(text) is not None
+
+
+def check_no_code(base: str, file: str | Path, instead: str) -> None:
+    """Refuse an autopilot that is a Python file: what a card names must not be run.
+
+    Parameters
+    ----------
+    base : str
+        As ``make_controller`` takes it; a file of gains may name Python, too.
+    file : path
+        What names it.
+    instead : str
+        What to do, for the message.
+    """
+    kind = kind_of(base) if base.endswith(".toml") and Path(base).is_file() else base
+    if any(is_own(part) for part in (kind, kind.rpartition("@")[0])):
+        raise ConfigError(
+            f"{file}: steers by {base}, which is Python code of its own, not run for a file; "
+            f"{instead}"
+        )
 
 
 def load_object(text: str) -> Any:

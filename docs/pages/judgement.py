@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,9 @@ from ship_gym.evaluation.comparison import per_episode
 from ship_gym.evaluation.score import normalised
 from ship_gym.evaluation.splits import SPLITS
 from ship_gym.evaluation.statistics import Paired, estimate, holm, interquartile_mean, paired, rate
+from ship_gym.keys import Keys
 from ship_gym.provenance import atomic_path, provenance, sha256
+from ship_gym.reading import read_as, read_text, read_toml
 from ship_gym.scenarios.scenario import load_scenario
 from ship_gym.text import signed_interval, table
 
@@ -83,8 +84,8 @@ class Claim:
 
 def read_claims(path: str | Path, only: Sequence[str] | None = None) -> list[Claim]:
     """Claims of a file, all of them or those named."""
-    with Path(path).open("rb") as file:
-        found = [build(Claim, one, f"{path}: claim") for one in tomllib.load(file)["claim"]]
+    claims = Keys(read_toml(path), str(path)).items("claim")
+    found = [build(Claim, one, f"{path}: claim") for one in claims]
     names = [one.name for one in found]
     for name in only or ():
         check_known("claim", name, names)
@@ -131,10 +132,11 @@ class Sailor:
             values = {"metrics": per_episode(sailed), "outcomes": outcomes, **provenance()}
             with atomic_path(file) as temporary:
                 temporary.write_text(json.dumps(values), encoding="utf-8")
-        found = json.loads(file.read_text(encoding="utf-8"))
-        arrived = [outcome.startswith(ARRIVED) for outcome in found["outcomes"]]
-        columns = found["metrics"] | {ARRIVED: arrived}
-        return {name: np.array(column, dtype=np.float64) for name, column in columns.items()}
+        with read_as(file, "metrics of episodes"):  # which may be nan, so it is not quite JSON
+            found = json.loads(read_text(file))
+            arrived = [outcome.startswith(ARRIVED) for outcome in found["outcomes"]]
+            columns = found["metrics"] | {ARRIVED: arrived}
+            return {name: np.array(column, dtype=np.float64) for name, column in columns.items()}
 
 
 def _sha(controller: str) -> str:

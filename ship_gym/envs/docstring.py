@@ -44,6 +44,7 @@ _ARGUMENTS = """\
   `{{"randomisation.hull_std": 0.1}}` for another ship in each episode, `{{"failure.time": 100.0,
   "failure.rudder_rate": 0.5}}` for a drill.
 - `render_mode`: `"rgb_array"` (plan view with instruments) or `"human"` (live in rerun).
+- `info`: `"nested"`, or `"flat"` for libraries that keep no dicts (`docs/clients.md`).
 
 `reset(options=...)` sets what an episode starts with instead of drawing it: `heading_error_deg`,
 `speed` [m/s], `position` (north, east [m]), `sea_seed` (the sea of the episode of that seed;

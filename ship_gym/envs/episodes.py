@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from gymnasium.utils import seeding
 
-from ship_gym.config import ConfigError, check_number
+from ship_gym.config import ConfigError, check_number, shown
 from ship_gym.conventions import (
     FLOW_EXTRAPOLATION,
     FLOW_OF_UNITS,
@@ -20,7 +20,7 @@ from ship_gym.conventions import (
 from ship_gym.envs.info import Info, Layout, info_of_all, info_of_one, side_by_side
 from ship_gym.envs.interval import BAD_ACTION, BAD_OUTCOME, Episodes, Failure, Loops, loops_of
 from ship_gym.envs.probe import check_outcomes, try_kernels
-from ship_gym.envs.randomisation import ShipDraws, check_has_std
+from ship_gym.envs.randomisation import ShipDraws, check_draws, check_has_std
 from ship_gym.envs.watcher import Watcher
 from ship_gym.envs.weather import Weathers
 from ship_gym.physics._threads import BLOCK, in_parts
@@ -93,9 +93,10 @@ class EpisodeBatch:
         self.fleet = [one.at_share(scenario.speed) for one in different]
         given = [self.fleet[k] for k in numbers]
         self.ships = [given[i % len(given)] for i in range(n)]
-        if scenario.randomisation.surrogate_std > 0.0:
-            for one in self.fleet:
+        for one in self.fleet:
+            if scenario.randomisation.surrogate_std > 0.0:
                 check_has_std(one)
+            check_draws(scenario.randomisation, one)
         self.task = TASKS[scenario.task]
         self.sim = ShipSim(self.ships, n, parallel=parallel)
         self.ships = self.sim.ships
@@ -189,7 +190,8 @@ class EpisodeBatch:
     def _make_arrays(self) -> None:
         n, scenario = self.n, self.scenario
         self._before = np.zeros((BLOCK * self.sim.threads, self.sim.state.shape[1]))
-        self._begun = False
+        self._waiting = np.ones(n, dtype=np.bool_)  # for their first reset
+        self._begun = False  # all of them
         columns = len(observations_of(scenario.task, scenario.privileged))
         self.observations = np.zeros((n, columns), dtype=np.float32)
         self.plans = np.zeros((n, *self._plan.shape))
@@ -283,7 +285,9 @@ class EpisodeBatch:
         if "speed" in given:
             starts[:, 3] = given["speed"]
         starts[:, 2] = order + error
-        self._begun = True
+        if not self._begun:
+            self._waiting[which] = False
+            self._begun = not self._waiting.any()
         self._loops.start(which, starts)
         sim.set_sea(which, phases, waves_to)
         try_kernels(self.task, self._loops, len(self.reward_terms))
@@ -330,7 +334,7 @@ class EpisodeBatch:
     def step(self, actions: np.ndarray) -> None:
         """Sail one control interval under actions of shape (n, n_actions)."""
         if not self._begun:
-            raise ConfigError("step before reset: call reset first")
+            raise ConfigError(f"step before reset: call reset first{self._who_waits()}")
         self.actions[:] = shaped_actions(actions, self.n, self.scenario.control)
         watching = self._watching
         if watching:
@@ -374,6 +378,11 @@ class EpisodeBatch:
         sim.see_waves(which)
         self._loops.end(which)
         self.observe(which)
+
+    def _who_waits(self) -> str:
+        if self._waiting.all():
+            return ""
+        return f", also of the environments {shown(np.flatnonzero(self._waiting).tolist())}"
 
     def info(self, mask: np.ndarray, copy: bool = True) -> Info:
         """What happened in the last interval, as arrays over the batch (zero after a reset).
@@ -447,8 +456,8 @@ class EpisodeBatch:
     def _gather(self) -> None:
         """Put the arrays that an info shows side by side in one buffer."""
         sim = self.sim
-        shown = {name: getattr(sim, name) for name in ("forces", "flow", "waves", "time")}
-        self._buffer, views = side_by_side({**shown, "terms": self.terms, "results": self._results})
+        loads = {name: getattr(sim, name) for name in ("forces", "flow", "waves", "time")}
+        self._buffer, views = side_by_side({**loads, "terms": self.terms, "results": self._results})
         self.terms, self._results = views.pop("terms"), views.pop("results")
         sim.replace(**views)
         results = self._results

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ship_gym.config import ConfigError
@@ -29,6 +31,7 @@ INTERACTION = {
     "gamma_R": ("rudder", ("gamma_R_p", "gamma_R_n")),
 }
 _LOADING = (("hull", ("d",)), ("inertia", ("m_u", "m_v", "m_xG", "I_r")))
+_MOST = 0.95  # of wake fraction and thrust deduction drawn: below 1, where nothing is driven
 _CUT = 3.0  # to which normal draws are limited, in standard deviations
 
 
@@ -122,6 +125,26 @@ def _columns(section: str, quantity: str) -> tuple[tuple[str, tuple[str, ...]], 
     if section == "interaction":
         return (INTERACTION[quantity],)
     return {"loading": _LOADING, "gear": (("gear", ("rate",)),), "sensors": ()}[section]
+
+
+def check_draws(spread: Randomisation, ship: Ship) -> None:
+    """Refuse draws of a wake fraction or thrust deduction that no ship has.
+
+    Raises
+    ------
+    ConfigError
+        The largest draw reaches `_MOST`; the message says what the ship allows.
+    """
+    for name in ("w_P0", "t_P") if spread.interaction_std > 0.0 else ():
+        value = getattr(ship.propeller, name)
+        if value * (1.0 + _CUT * spread.interaction_std) > _MOST:
+            allowed = max((_MOST / value - 1.0) / _CUT, 0.0)
+            raise ConfigError(
+                f"randomisation.interaction_std = {spread.interaction_std:g}: propeller.{name} = "
+                f"{value:g} of {ship.name} would be drawn up to "
+                f"{value * (1.0 + _CUT * spread.interaction_std):.2f}; allowed is 0 to "
+                f"{math.floor(100.0 * allowed) / 100.0:g}"
+            )
 
 
 def check_has_std(ship: Ship) -> None:

@@ -15,9 +15,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ship_gym.config import ConfigError, check_known, shown
+from ship_gym.evaluation.about import check_about
 from ship_gym.evaluation.metrics import all_metrics
 from ship_gym.keys import Keys
 from ship_gym.provenance import atomic_path
+from ship_gym.reading import MOST, parsed_json, read_as, read_bytes
 
 if TYPE_CHECKING:
     import pyarrow
@@ -162,26 +164,65 @@ def read_results(path: str | Path) -> Results:
     ConfigError
         No such file, not a parquet file, damaged, or not of a benchmark.
     """
-    pa, parquet = arrow()
     path = Path(path)
     path = path / "episodes.parquet" if os.path.isdir(path) else path
     if not os.path.isfile(path):
         raise ConfigError(f"{path}: no such file; results are made by: ship-gym benchmark")
-    try:
-        table = parquet.read_table(path)
-    except (pa.ArrowException, OSError) as error:
-        raise ConfigError(f"{path}: not a parquet file, or damaged: {error}") from None
+    table, about = read_parquet(path, _ABOUT, "a benchmark")
     _check(path, table)
-    about = json.loads(table.schema.metadata[_ABOUT])
-    return Results(table.replace_schema_metadata(None), about)
+    return Results(table.replace_schema_metadata(None), check_about(about, str(path)))
+
+
+def read_parquet(path: str | Path, key: bytes, what: str) -> tuple[pyarrow.Table, dict[str, Any]]:
+    """The table of a parquet file, its numbers finite or null, and the mapping beside it.
+
+    Parameters
+    ----------
+    path : path-like
+    key : bytes
+        Of the mapping, as JSON, in the schema's metadata.
+    what : str
+        Whose table it should be, for the message.
+
+    Raises
+    ------
+    ConfigError
+        Not a parquet file, damaged, or of something else.
+    """
+    pa, parquet = arrow()
+    data = read_bytes(path)
+    with read_as(path, "a parquet file"):
+        file = parquet.ParquetFile(pa.BufferReader(data))
+        rows, size = file.metadata.num_rows, sum(
+            file.metadata.row_group(k).total_byte_size for k in range(file.metadata.num_row_groups)
+        )  # fmt: skip
+        if max(size, 8 * rows * file.metadata.num_columns) > MOST:
+            raise ValueError(f"{rows} rows of {size} bytes: allowed are {MOST} bytes in all")
+        table = file.read()
+        table.validate(full=True)
+    text = (table.schema.metadata or {}).get(key)
+    if text is None:
+        raise ConfigError(f"{path}: a parquet file, but not of {what}: it does not say so")
+    about = parsed_json(text, path)
+    if not isinstance(about, dict):
+        raise ConfigError(f"{path}: says of itself {shown(about)}: allowed is a mapping")
+    for name in table.column_names:
+        values = table.column(name)
+        if pa.types.is_floating(values.type) and not _all_finite(values):
+            raise ConfigError(f"{path}: column {shown(name)} holds a number that is not finite")
+    return table, about
+
+
+def _all_finite(values: pyarrow.ChunkedArray) -> bool:
+    return all(math.isfinite(value) for value in values.to_pylist() if value is not None)
 
 
 def _check(path: Path, table: pyarrow.Table) -> None:
-    if _ABOUT not in (table.schema.metadata or {}):
-        raise ConfigError(f"{path}: a parquet file, but not of a benchmark: it does not say so")
     for name, kind in (BEFORE | AFTER).items():
         if name not in table.column_names:
             raise ConfigError(f"{path}: not of this version's benchmark: no column {name!r}")
         found = str(table.schema.field(name).type)
         if found.replace("double", _NUMBER) != kind:
             raise ConfigError(f"{path}: column {name!r} is of type {found}, must be {kind}")
+        if name in SORTED_BY and table.column(name).null_count:
+            raise ConfigError(f"{path}: column {name!r} has a row without a value")

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from gymnasium.utils import seeding
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, shown
 from ship_gym.conventions import polar
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.envs.episode_log import EpisodeLog
@@ -264,11 +264,13 @@ def _check_record(record: Any, n: int) -> None:
     if record is None:
         return
     if not isinstance(record, Mapping):
-        raise ConfigError(f"record = {record!r}: must map indices of episodes to files '*.rrd'")
+        raise ConfigError(
+            f"record = {shown(record)}: must map indices of episodes to files '*.rrd'"
+        )
     for i in record:
         whole = isinstance(i, int | np.integer) and not isinstance(i, bool)
         if not (whole and 0 <= i < n):
-            raise ConfigError(f"record: episode {i!r}: allowed are 0 to {n - 1}")
+            raise ConfigError(f"record: episode {shown(i)}: allowed are 0 to {n - 1}")
 
 
 def _sail(

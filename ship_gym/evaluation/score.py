@@ -192,7 +192,7 @@ def _cell(name: str, cell: Keys) -> Reference:
         reference_controller=cell.text("reference_controller"),
         optimum=optimum,
         optimum_kind=kind,
-        optimum_seeds=cell.whole("optimum_seeds", 1, 10**6, None),
+        optimum_seeds=cell.whole("optimum_seeds", 0, 10**6, None),
         headroom=None if headroom is None else _estimate(cell.table("headroom")),
     )
 

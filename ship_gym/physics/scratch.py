@@ -30,7 +30,6 @@ _FIELDS = [
     ("current", (2, LANES)),  # north and east [m/s]
     ("own", (9, LANES)),  # OwnForces at the last asked place
     ("units", (10, LANES)),  # Units there
-    ("most", (2, LANES)),  # largest speed squared and yaw rate of the interval, over ground
     ("dt", (LANES,)),  # integration step [s]
     ("gust", (GUST_COLUMNS,)),
     ("wave", (N_SUMS, int(EIGHT))),  # waves.sum_waves
@@ -38,6 +37,8 @@ _FIELDS = [
 SCRATCH = record_type(
     [(name, np.float64, shape) for name, shape in _FIELDS]
     + [("kind", np.int64, (LANES,)), ("steps", np.int64, (LANES,))]
+    # largest speed squared over ground and yaw rate before the last step
+    + [("most", np.float64, (2, LANES))]
 )
 
 LINE = 64  # bytes of a cache line; a vector that lies across two is read twice

@@ -253,9 +253,15 @@ def move(x, lo, hi, step):
             for k in range(6):
                 x.start[k, i] += x.change[k, i]
             x.delta[START, i], x.n[START, i] = x.delta[END, i], x.n[END, i]
-            u, v, r = x.start[U, i], x.start[V, i], x.start[R, i]
-            x.most[0, i] = max(x.most[0, i], u * u + v * v)
-            x.most[1, i] = max(x.most[1, i], abs(r))
+
+
+@kernel
+def watch(x, lo, hi):
+    """Keep the largest speed squared and yaw rate of every lane in the steps before its last."""
+    for i in range(lo, hi):
+        u, v, r = x.start[U, i], x.start[V, i], x.start[R, i]
+        x.most[0, i] = max(x.most[0, i], u * u + v * v)
+        x.most[1, i] = max(x.most[1, i], abs(r))
 
 
 @composed
@@ -270,13 +276,15 @@ def look(x, lo, hi, first, step, fleet):
 
 
 @kernel
-def within(x, i, sea, limits):
+def within(x, i, fastest, turn):
     """Whether speed and yaw rate of a lane have been those of a ship in every step.
 
-    Speeds are over ground; the current's is added to what is allowed: that takes no cosine.
+    Speeds are over ground; the current's parts are added to what is allowed: that takes no root.
     """
-    fastest = limits[0] + math.sqrt(sea.V_north * sea.V_north + sea.V_east * sea.V_east)
-    return x.most[0, i] <= fastest * fastest and x.most[1, i] <= limits[1]
+    u, v, r = x.start[U, i], x.start[V, i], x.start[R, i]
+    fastest += abs(x.current[0, i]) + abs(x.current[1, i])
+    fast = max(x.most[0, i], u * u + v * v) <= fastest * fastest
+    return fast and max(x.most[1, i], abs(r)) <= turn
 
 
 @composed
@@ -290,7 +298,7 @@ def land(x, lo, hi, first, fleet):
             total += abs(x.start[k, i])
         fleet.state[ship, DELTA], fleet.state[ship, N] = x.delta[START, i], x.n[START, i]
         fleet.time[ship] += x.dt[i] * x.steps[i]
-        good = math.isfinite(total) and within(x, i, fleet.seas[ship], fleet.limits[ship])
+        good = math.isfinite(total) and within(x, i, fleet.limits[ship, 0], fleet.limits[ship, 1])
         fleet.lost[ship] = not good
         alive += 1 if good else 0
     return alive
@@ -335,6 +343,8 @@ def sail_block(x, lo, hi, first, fleet):
                 if step == 0:
                     report(x, lo, hi, first, fleet)
         move(x, lo, hi, step)
+        if step + 1 < most:
+            watch(x, lo, hi)
         look(x, lo, hi, first, step, fleet)
     return land(x, lo, hi, first, fleet)
 

@@ -20,7 +20,7 @@ from typing import IO
 import numpy as np
 
 from ship_gym.config import ConfigError, shown
-from ship_gym.provenance import take_lock
+from ship_gym.locks import take_lock, unfit
 from ship_gym.reading import read_bytes
 from ship_gym.recording.sealed import MOST, DamagedRecording, damage_told
 
@@ -205,6 +205,8 @@ def _chained(before: bytes, block: bytes) -> bytes:
 def _opened(path: Path) -> IO[bytes]:
     """The file, empty and locked."""
     path.parent.mkdir(parents=True, exist_ok=True)
+    if what := unfit(path):
+        raise ConfigError(f"{path}: {what}")
     while True:
         file = path.open("a+b", buffering=0)
         try:

@@ -11,6 +11,7 @@ from types import TracebackType
 import numpy as np
 
 from ship_gym.config import ConfigError
+from ship_gym.locks import unfit
 from ship_gym.provenance import DiskFull
 from ship_gym.recording.journal import Journal, journal_path
 from ship_gym.recording.trajectory import Trajectory, import_rerun_export, plain
@@ -62,8 +63,8 @@ class Recorder:
         self._names = _checked_names(names)
         if self.path.suffix.lower() != ".rrd":
             raise ConfigError(f"path = {str(path)!r}: a recording is a file '*.rrd'")
-        if self.path.is_dir():
-            raise ConfigError(f"path = {str(path)!r}: is a folder")
+        if what := unfit(self.path):
+            raise ConfigError(f"path = {str(path)!r}: {what}")
         import_rerun_export()  # a missing one is said before the run begins
         self._time = self._names.index("t")
         self._rows = np.empty((_ROWS, len(self._names)))

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ship_gym.config import ConfigError, check_known
+from ship_gym.config import ConfigError, check_known, shown
 from ship_gym.recording.library import COLUMNS, NUMBERS, Run, metric_names
 
 _OPERATORS = {
@@ -54,7 +54,7 @@ def condition(text: str, metrics: Sequence[str] | None = None) -> Condition:
     found = _CONDITION.fullmatch(text)
     if found is None:
         raise ConfigError(
-            f"condition {text!r}: must be FIELD OPERATOR VALUE, such as J_1>100 or ship==kcs; "
+            f"condition {shown(text)}: must be FIELD OPERATOR VALUE, such as J_1>100 or ship==kcs; "
             f"operators: {' '.join(_OPERATORS)}"
         )
     name, sign, value = found.groups()
@@ -63,7 +63,7 @@ def condition(text: str, metrics: Sequence[str] | None = None) -> Condition:
     if name not in COLUMNS or name in NUMBERS:
         return Condition(name, sign, _number(text, value))
     if sign not in _FOR_TEXT:
-        raise ConfigError(f"condition {text!r}: {name} is text: allowed are == and !=")
+        raise ConfigError(f"condition {shown(text)}: {name} is text: allowed are == and !=")
     return Condition(name, sign, value.strip("'\""))
 
 
@@ -71,7 +71,7 @@ def _number(text: str, value: str) -> float:
     try:
         return float(value)
     except ValueError:
-        raise ConfigError(f"condition {text!r}: {value!r} is not a number") from None
+        raise ConfigError(f"condition {shown(text)}: {shown(value)} is not a number") from None
 
 
 def chosen(runs: Sequence[Run], conditions: Sequence[str]) -> list[Run]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, shown
 from ship_gym.rendering.camera import camera_for
 from ship_gym.rendering.canvas import SEA, Canvas
 from ship_gym.rendering.chart import draw_chart
@@ -53,5 +53,7 @@ def _checked(field: str, value: int) -> int:
     low, high = _SIZES[field]
     whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
     if not whole or not low <= value <= high or value % 2:
-        raise ConfigError(f"{field} = {value!r}: allowed is an even integer from {low} to {high}")
+        raise ConfigError(
+            f"{field} = {shown(value)}: allowed is an even integer from {low} to {high}"
+        )
     return int(value)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_number
+from ship_gym.config import ConfigError, check_number, shown
 from ship_gym.provenance import atomic_path
 from ship_gym.recording.marks import bearing, marks, seconds, worst_moment
 from ship_gym.recording.trajectory import Trajectory
@@ -191,7 +191,7 @@ def _encoded(pictures: Iterable[np.ndarray], fps: int, size: tuple[int, int]) ->
 def video_rows(trajectory: Trajectory, fps: int = 25, speed: float | None = None) -> list[int]:
     """Row of each picture of a video, see `write_video`; the last row is the last picture."""
     if not isinstance(fps, int) or isinstance(fps, bool) or not 1 <= fps <= 60:
-        raise ConfigError(f"fps = {fps!r}: allowed is an integer from 1 to 60")
+        raise ConfigError(f"fps = {shown(fps)}: allowed is an integer from 1 to 60")
     t = trajectory["t"]
     duration = float(t[-1] - t[0])
     if speed is None:

@@ -14,6 +14,7 @@ from ship_gym.sea.state import CALM, Sea, load_sea
 from ship_gym.ships.files import available_ships
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
+from ship_gym.ships.plausible import checked
 from ship_gym.simulation import ShipSim, longest_step
 from ship_gym.text import table
 
@@ -93,7 +94,8 @@ def with_longest_step(ship: Ship, step: float) -> Ship:
     It follows from the nominal speed, which nothing else in these seas depends on: the speed and
     the propeller of a run are given.
     """
-    return dataclasses.replace(ship, speed=ship.speed * longest_step(ship) / step)
+    speed = ship.speed * longest_step(ship) / step
+    return checked(dataclasses.replace(ship, speed=speed, strict=False))  # no ship's speed
 
 
 def sail(ship: Ship, condition: Condition, fraction: float) -> tuple[np.ndarray, float]:

@@ -29,7 +29,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_number
+from ship_gym.config import ConfigError, check_number, shown
 from ship_gym.conventions import G
 from ship_gym.sea.spectra import STEEPEST, WaveSystem, spreading
 
@@ -119,7 +119,7 @@ def check_count(field: str, count: int, low: int = 1) -> None:
     """Refuse a number of harmonics that is not a whole number from `low` to 500."""
     whole = isinstance(count, int | np.integer) and not isinstance(count, bool)
     if not (whole and low <= count <= 500):
-        raise ConfigError(f"{field} = {count!r}: allowed is a whole number, {low} to 500")
+        raise ConfigError(f"{field} = {shown(count)}: allowed is a whole number, {low} to 500")
 
 
 def _shares(waves: list[WaveSystem], count: int) -> list[int]:

@@ -6,7 +6,7 @@ import dataclasses
 import functools
 from pathlib import Path
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, shown
 from ship_gym.csv_file import read_csv
 from ship_gym.sea.spectra import WaveSystem
 
@@ -68,5 +68,5 @@ def sea_state(number: int) -> SeaState:
     """Sea state 0 to 8; anything else is a ConfigError."""
     known = sea_states()
     if isinstance(number, bool) or number not in known:
-        raise ConfigError(f"sea_state = {number!r}: allowed is {min(known)} to {max(known)}")
+        raise ConfigError(f"sea_state = {shown(number)}: allowed is {min(known)} to {max(known)}")
     return known[number]

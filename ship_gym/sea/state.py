@@ -20,6 +20,9 @@ from ship_gym.sea.sea_states import sea_state
 from ship_gym.sea.spectra import WaveSystem
 from ship_gym.sea.wind_coefficients import METHODS
 
+# Standard deviations of a disturbance that ships bear: at these each of five ships of the package
+# turns at up to r L/U0 = 1.4, at ten times more she spins.
+LARGEST_SWAY, LARGEST_YAW = 0.1, 0.02
 DRIFTS = ("slow", "mean", "none")
 _STATES = Path(__file__).with_name("states.toml")
 
@@ -49,7 +52,8 @@ class Sea:
     current_variation, current_period : float
         The current's speed varies slowly by this fraction of it, with this period [s].
     sway_disturbance, yaw_disturbance : float
-        Standard deviations of the random sway force and yaw moment, non-dimensional.
+        Standard deviations of the random sway force and yaw moment, non-dimensional; at most 0.1
+        and 0.02.
     correlation_time : float
         T U0 / L of their spectrum.
     waves : tuple of WaveSystem
@@ -99,8 +103,8 @@ class Sea:
         check_angle("sea.current_direction_to", self.current_direction_to)
         check_number("sea.current_variation", self.current_variation, 0.0, 1.0)
         check_number("sea.current_period", self.current_period, 1.0, 1e6, "s")
-        check_number("sea.sway_disturbance", self.sway_disturbance, 0.0, 1.0)
-        check_number("sea.yaw_disturbance", self.yaw_disturbance, 0.0, 1.0)
+        check_number("sea.sway_disturbance", self.sway_disturbance, 0.0, LARGEST_SWAY)
+        check_number("sea.yaw_disturbance", self.yaw_disturbance, 0.0, LARGEST_YAW)
         check_number("sea.correlation_time", self.correlation_time, 1e-3, 1e3)
         check_angle("sea.wave_direction_to", self.wave_direction_to)
         check_known("drift", self.drift, DRIFTS)

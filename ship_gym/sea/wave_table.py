@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number, shown
+from ship_gym.config import ConfigError, check_known, check_number, shown, told_of
 from ship_gym.conventions import wrap_angle
 from ship_gym.provenance import atomic_path
 from ship_gym.reading import check_array, json_head, read_npz
@@ -194,10 +194,8 @@ class WaveTable:
         names = [f.name for f in dataclasses.fields(cls)]
         found = read_npz(path, *names, what="a wave table")
         arrays = {name: found[name] for name in names}
-        try:
+        with told_of(path):
             return cls(**arrays | {"card": json_head(arrays["card"], path)})
-        except ConfigError as error:
-            raise ConfigError(f"{path}: {error}") from None
 
 
 def snnm_weight(froude: np.ndarray, heading: np.ndarray, omega: np.ndarray) -> np.ndarray:

@@ -420,6 +420,7 @@ def build(
     work, doing = path.parent / work_name(problem), "builds this wave table"
     with held(path, doing), locked(work / "lock", doing, path):
         sweep(work)
+        sweep(path.parent, path)
         cells = compute(problem, work, jobs, progress)
         table = _tabulated(ship, snnm, mesh, problem, cells)
         table.card["minutes"] = round((time.monotonic() - started) / 60.0, 2)

@@ -6,12 +6,16 @@ hint.
 
 from __future__ import annotations
 
+import importlib
+import io
+import re
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number
-from ship_gym.reading import read_text
+from ship_gym.config import ConfigError, check_known, check_number, shown, told_of
+from ship_gym.reading import check_array, read_as, read_bytes, read_text
 from ship_gym.seakeeping.hull_checks import check_mesh, check_panels, check_place
 from ship_gym.seakeeping.hull_mesh import HullMesh, starboard_half, welded
 from ship_gym.seakeeping.hull_sections import coarsened
@@ -22,6 +26,13 @@ from ship_gym.ships.particulars import Ship
 
 _DIRECTIONS = {"+x": 0, "-x": 0, "+y": 1, "-y": 1, "+z": 2, "-z": 2}
 _TRIMESH = (".stl", ".obj", ".ply", ".off")
+_MOST_FACES = 2_000_000
+_FAR = 1e9  # of a vertex from the origin, in the unit of the file
+_CORNER = re.compile(r"-?[0-9]+(/-?[0-9]*)?(/-?[0-9]*)?")  # of an OBJ face: vertex/texture/normal
+_GDF = (
+    "a low-order GDF file (a title, ULEN GRAV, ISX ISY, the number of panels and four corners of "
+    "three numbers for each)"
+)
 
 
 def read_hull(
@@ -73,26 +84,36 @@ def read_hull(
     """
     path, ship = Path(path), load_ship(ship)
     check_number("scale", scale, 1e-9, 1e9)
+    if panels is not None:
+        panels = int(check_number("panels", panels, 40, 20000))
     vertices, faces, note = _read(path)
-    points = _turned(np.asarray(vertices, dtype=float) * scale, forward, up, midship, waterline)
+    points = _turned(vertices * scale, forward, up, midship, waterline)
     faces = faces[:, ::-1] if flip_normals else faces
+    with told_of(path):
+        mesh = _under_water(points, faces, ship, note, path)
+        if panels is None:
+            check_panels(mesh, str(path))
+            return starboard_half(mesh)
+        coarse = coarsened(mesh, panels)
+        check_mesh(coarse, ship, f"{path} with {coarse.count} panels")
+        return coarse
+
+
+def _under_water(
+    points: np.ndarray, faces: np.ndarray, ship: Ship, note: str, path: Path
+) -> HullMesh:
+    """Both sides of the hull below its waterline, checked, with what was done in its report."""
     check_place(points, ship, str(path))
     if one_side := _one_side(points):
         note += ", one side, mirrored"
     mesh = welded(*cut(points, faces), symmetric=one_side).both_sides()
     check_mesh(mesh, ship, str(path))
     found = hydrostatics(mesh)
-    mesh = mesh.with_report(
+    return mesh.with_report(
         note,
         f"cut at the waterline: {mesh.count} panels below, volume {found.volume:.6g} m3, "
         f"wetted surface {found.S:.6g} m2",
     )
-    if panels is None:
-        check_panels(mesh, str(path))
-        return starboard_half(mesh)
-    coarse = coarsened(mesh, int(check_number("panels", panels, 40, 20000)))
-    check_mesh(coarse, ship, f"{path} with {coarse.count} panels")
-    return coarse
 
 
 def _one_side(points: np.ndarray) -> bool:
@@ -103,34 +124,79 @@ def _one_side(points: np.ndarray) -> bool:
 
 def _read(path: Path) -> tuple[np.ndarray, np.ndarray, str]:
     """Vertices (V, 3), triangles or quadrilaterals (P, 3 or 4), and a line for the report."""
-    if not path.is_file():
-        raise ConfigError(f"{path}: no such file")
+    kind = path.suffix.lower()
     try:
-        if path.suffix.lower() == ".gdf":
-            vertices, faces = read_gdf(path)
-        elif path.suffix.lower() in _TRIMESH:
-            import trimesh
+        with read_as(path, "a mesh"):
+            if kind == ".gdf":
+                vertices, faces = read_gdf(path)
+            else:
+                vertices, faces = (_read_trimesh if kind in _TRIMESH else _read_meshio)(path)
+    except SystemExit as error:  # meshio's word for a file that it does not know
+        raise ConfigError(f"{path}: not a mesh, or damaged: {error}") from None
+    vertices, faces = _checked(path, vertices, faces)
+    return vertices, faces, f"{path.name}: {len(faces)} faces"
 
-            solid = trimesh.load_mesh(path, process=True)
-            vertices, faces = solid.vertices, solid.faces
+
+def _checked(path: Path, vertices: object, faces: object) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices that are finite and faces between them, whatever a library has made of a file."""
+    vertices, faces = np.asarray(vertices), np.asarray(faces)
+    if len(faces) == 0:
+        raise ConfigError(f"{path}: holds no faces")
+    if len(faces) > _MOST_FACES:
+        raise ConfigError(f"{path}: {len(faces)} faces: allowed are at most {_MOST_FACES}")
+    check_array(f"{path}: vertices", vertices, (None, 3), -_FAR, _FAR)
+    if faces.ndim != 2 or faces.shape[1] not in (3, 4):
+        raise ConfigError(f"{path}: faces of shape {faces.shape}: allowed are 3 or 4 corners")
+    last = len(vertices) - 1
+    check_array(f"{path}: corners of faces", faces, faces.shape, 0, last, "number of a vertex")
+    return vertices.astype(float), faces.astype(np.int64)
+
+
+def _read_trimesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """From the bytes alone: materials and pictures that a file names are not looked for."""
+    trimesh = _library("trimesh", path)
+    data, kind = read_bytes(path), path.suffix.lower()
+    if kind == ".obj":
+        _check_obj(path)
+    # without its processing, which leaves out vertices that are not finite
+    solid = trimesh.load_mesh(io.BytesIO(data), file_type=kind[1:], process=False)
+    vertices, faces = _checked(path, solid.vertices, solid.faces)
+    solid = trimesh.Trimesh(vertices, faces, process=True)
+    return solid.vertices, solid.faces
+
+
+def _check_obj(path: Path) -> None:
+    """Refuse a line of a vertex or a face that is damaged; the library passes over some."""
+    for number, line in enumerate(read_text(path, fallback="latin-1").splitlines(), 1):
+        word, *values = line.partition("#")[0].split() or [""]
+        if word == "v":
+            try:
+                whole = len([float(value) for value in values]) >= 3
+            except ValueError:
+                whole = False
+        elif word == "f":
+            whole = len(values) >= 3 and all(_CORNER.fullmatch(value) for value in values)
         else:
-            vertices, faces = _read_meshio(path)
-    except ConfigError:
-        raise
+            continue
+        if not whole:
+            raise ConfigError(
+                f"{path}:{number}: {shown(line)}: needed are three numbers of a vertex (v), or "
+                "three or more corners of a face (f)"
+            )
+
+
+def _library(name: str, path: Path) -> ModuleType:
+    try:
+        return importlib.import_module(name)
     except ImportError as error:
         raise ConfigError(
             f"{path}: {error}; install the extra: pip install ship-gym[bem]"
         ) from None
-    except (Exception, SystemExit) as error:  # of a damaged file each library has its own kind
-        raise ConfigError(f"{path}: cannot be read as a mesh: {error}") from None
-    if len(faces) == 0:
-        raise ConfigError(f"{path}: holds no faces")
-    return np.asarray(vertices), np.asarray(faces), f"{path.name}: {len(faces)} faces"
 
 
 def _read_meshio(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    import meshio
-
+    meshio = _library("meshio", path)
+    read_bytes(path)  # a regular file of a size that can be read
     mesh = meshio.read(path)
     found = [mesh.cells_dict[kind] for kind in ("triangle", "quad") if kind in mesh.cells_dict]
     if not found:
@@ -155,16 +221,14 @@ def read_gdf(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
         Too few numbers, or a higher-order file.
     """
     lines = read_text(path, fallback="latin-1").splitlines()
-    try:
+    with read_as(path, _GDF):
         ISX, ISY = (int(float(word)) for word in lines[2].split()[:2])
         count = int(float(lines[3].split()[0]))
+        if not 0 < count <= _MOST_FACES:
+            raise ValueError(f"{count} panels: allowed are 1 to {_MOST_FACES}")
         numbers = np.array(" ".join(lines[4:]).replace(",", " ").split()[: 12 * count], dtype=float)
         corners = numbers.reshape(count, 4, 3)
-    except (IndexError, ValueError) as error:
-        raise ConfigError(
-            f"{path}: not a low-order GDF file: {error}; expected are a title, ULEN GRAV, ISX ISY, "
-            "the number of panels and four corners of three numbers for each"
-        ) from None
+    check_array(f"{path}: corners", corners, corners.shape, -_FAR, _FAR)
     for axis, wanted in enumerate((ISX, ISY)):
         if wanted:
             mirrored = corners[:, ::-1] * np.where(np.arange(3) == axis, -1.0, 1.0)

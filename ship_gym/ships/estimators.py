@@ -19,6 +19,11 @@ from ship_gym.config import check_known, check_number
 
 ZHOU = "Zhou et al. (1983)"
 YM12 = "Yoshimura & Masumoto (2012)"
+ESTIMATED = (  # by `estimated_hull`
+    *("m_x", "m_y", "J_z", "X_vv", "X_vr", "X_rr", "X_vvvv"),
+    *("Y_v", "Y_r", "Y_vvv", "Y_vvr", "Y_vrr", "Y_rrr"),
+    *("N_v", "N_r", "N_vvv", "N_vvr", "N_vrr", "N_rrr"),
+)
 POOR = ("X_rr", "X_vvvv", "Y_vvr", "Y_rrr")  # neither KCS nor KVLCC2 confirms them
 
 

@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, check_known, merged, shown
+from ship_gym.config import ConfigError, check_known, merged, shown, told_of
 from ship_gym.reading import read_toml
 from ship_gym.ships.files import Named, base_of, chain_of, file_of, name_of, text_of
 from ship_gym.ships.particulars import Ship
@@ -149,7 +149,8 @@ def _with_surrogate(ship: Ship, data, path: Path, name: str, wanted: str | None)
     known = _surrogates(path, data)
     if wanted == entry.get("default") and wanted not in known:
         raise ConfigError(
-            f"{name}: surrogate.default = {shown(wanted)}: no such surrogate_*.npz beside the file"
+            f"{name}: surrogate.default = {shown(wanted)}: no surrogate_{wanted[:60]}.npz "
+            "beside the file"
         )
     check_known(f"surrogate of {name}", wanted, known)
     if wanted == "none":
@@ -158,10 +159,8 @@ def _with_surrogate(ship: Ship, data, path: Path, name: str, wanted: str | None)
         return with_beaufoy(ship)
     file = path.with_name(f"surrogate_{wanted}.npz")
     table = Table.load(file)
-    try:
+    with told_of(file):
         return attach_surrogate(ship, table, wanted)
-    except ConfigError as error:
-        raise ConfigError(f"{file}: {error}") from None
 
 
 def with_beaufoy(ship: Ship) -> Ship:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -71,6 +72,15 @@ BASES: dict[str, _Basis] = {
 }
 
 
+_KEYS = {"L": "hull.L", "B": "hull.B", "d": "hull.d", "U": "speed", "rho": "rho"}
+_KEYS |= {"D": "propeller.D", "n_max": "engine.n_max", "torque_max": "engine.torque_max"}
+_KEYS |= {"L_oa": "wind.L_oa", "A_L": "wind.A_L"}
+# basis -> keys of the numbers that it is made of
+_PARTS = {
+    name: [_KEYS[word] for word in re.findall(r"\w+", name) if word in _KEYS] for name in BASES
+}
+
+
 def basis(ship: Ship, name: str, speed: float | None) -> float | None:
     """A basis of `BASES` for a ship; None if a number it needs is missing or not above zero."""
     try:
@@ -83,10 +93,13 @@ def basis(ship: Ship, name: str, speed: float | None) -> float | None:
 def values_of(ship: Ship) -> Iterator[tuple[str, dict[str, Any], Mapping[str, Range], float]]:
     """Prefix of the keys, values, ranges and speed of every part of a ship that has ranges."""
     speed = ship.speed and ship.share and ship.speed / ship.share
-    yield "", {name: getattr(ship, name) for name in TOP} | {"speed": speed}, TOP, speed
-    for name, table in RANGES.items():
-        if (section := getattr(ship, name)) is not None:
-            yield f"{name}.", vars(section), table, speed
+    L = basis(ship, "L", speed)
+    top = {"full_length / hull.L": ship.full_length / L if L and ship.full_length else None}
+    parts = [(f"{name}.", getattr(ship, name), table) for name, table in RANGES.items()]
+    sized = [(prefix, vars(part), table) for prefix, part, table in parts if part is not None]
+    sized.insert(1, ("", vars(ship) | {"speed": speed} | top, TOP))  # the hull is first, for L
+    for prefix, values, table in sized:
+        yield prefix, values, table, speed
     yield "open_water.", _open_water(ship), OPEN_WATER, speed
     for name, table in (("trial", TRIAL), ("propulsion", PROPULSION)):
         points = ship.trials if name == "trial" else ship.propulsion
@@ -102,39 +115,53 @@ def _open_water(ship: Ship) -> dict[str, float]:
     low, high = card["J_range"]
     K_T, K_Q = (np.polyval(card["K_T"], [low, high]), np.polyval(card["K_Q"], [low, high]))
     found = {"J_low": low, "J_high": high, "K_T at J_low": K_T[0], "K_Q at J_low": K_Q[0]}
-    return {k: float(v) for k, v in found.items()} | {"K_T at J_high": float(K_T[1])}
+    found["K_T at J_high"] = K_T[1]
+    if low != high:
+        found["mean slope of K_T"] = (K_T[1] - K_T[0]) / (high - low)
+    return {name: float(value) for name, value in found.items()}
 
 
 def findings_of(ship: Ship) -> Verdict:
     """All that is wrong with the numbers of a ship.
 
     A number, a section or a table of her that could not be read is None and passed over, and so
-    are the limits that are shares of it.
+    are the limits that are shares of it. Of numbers by a number that is out of range, only what
+    cannot be computed with is told: else one slip would be many findings.
     """
-    found = Verdict([], [])
+    found, bad = Verdict([], []), set()
     for prefix, values, table, speed in values_of(ship):
         for name, allowed in table.items():
             if (value := values.get(name)) is not None:
-                _look(found, ship, prefix + name, value, allowed, speed)
+                doubtful = bool(bad) and (
+                    any(key in bad for key in _PARTS[allowed.by])
+                    or ("U" in allowed.by and f"{prefix}speed" in bad)
+                )
+                if _look(found, ship, prefix + name, value, allowed, speed, doubtful):
+                    bad.add(prefix + name)
     found.impossible.extend(_joint(ship))
     return found
 
 
-def _look(found: Verdict, ship: Ship, key: str, value: float, allowed: Range, speed) -> None:
-    """Add what is to be said about one number."""
+def _look(
+    found: Verdict, ship: Ship, key: str, value: float, allowed: Range, speed, doubtful: bool
+) -> bool:
+    """Add what is to be said about one number, by a basis that may be `doubtful`; if anything."""
     usual = (allowed.low, allowed.high)
     unit = basis(ship, allowed.by, speed)
     if unit is None:  # its sign can be judged all the same
         if allowed.must not in (POSITIVE, NOT_NEGATIVE):
-            return
+            return False
         allowed, usual, unit = Range(*allowed.must, must=allowed.must), allowed.must, 1.0
     ratio = value / unit
     endless = math.isinf(value) and math.isfinite(allowed.high)
     if endless or not allowed.must[0] <= ratio <= allowed.must[1]:
         limits = usual if ship.strict else allowed.must
         found.impossible.append(_told(key, value, ratio, allowed.by, unit, limits))
-    elif not usual[0] <= ratio <= usual[1]:
+    elif not doubtful and not usual[0] <= ratio <= usual[1]:
         found.implausible.append(_told(key, value, ratio, allowed.by, unit, usual))
+    else:
+        return False
+    return True
 
 
 _UNITS = {"full_length": "m", "rho": "kg/m3", "nu": "m2/s", "speed": "m/s", "hull.L": "m"}
@@ -159,7 +186,7 @@ def _limits(limits: tuple[float, float], unit: float = 1.0) -> str:
         return f"above 0, at most {high}" if limits[1] < math.inf else "above 0"
     if limits[1] == math.inf:
         return f"{low} or more"
-    return f"{low} or less" if limits[0] == -math.inf else f"{low} to {high}"
+    return f"{high} or less" if limits[0] == -math.inf else f"{low} to {high}"
 
 
 def _joint(ship: Ship) -> Iterator[str]:
@@ -214,8 +241,15 @@ def _form(ship: Ship) -> str:
     return ""
 
 
+def errors_of(ship: Ship, found: Verdict) -> list[str]:
+    """What is an error of the findings of a ship, and the way out if there is one."""
+    if found.impossible or not found.implausible or not ship.strict:
+        return found.impossible + (found.implausible if ship.strict else [])
+    return [*found.implausible, "if these numbers are meant: strict = false makes warnings of them"]
+
+
 def checked(ship: Ship, where: str = "") -> Ship:
-    """The ship, her implausible numbers named if she is not strict.
+    """The ship, her implausible numbers named if she is not strict; without a warning.
 
     Parameters
     ----------
@@ -230,8 +264,7 @@ def checked(ship: Ship, where: str = "") -> Ship:
         ship has.
     """
     found = findings_of(ship)
-    lines = found.impossible + (found.implausible if ship.strict else [])
-    if lines:
+    if lines := errors_of(ship, found):
         raise ConfigError("\n".join(f"{where or ship.name}: {line}" for line in lines))
     named = tuple(found.implausible)
     return ship if named == ship.implausible else dataclasses.replace(ship, implausible=named)

@@ -46,7 +46,8 @@ class Range(NamedTuple):
 # Water of 0 to 40 deg C, fresh to as salt as the sea, has 990 to 1030 kg/m3 and 0.65e-6 to
 # 1.85e-6 m2/s. Lengths: from the smallest models to the largest ships.
 TOP = {
-    "full_length": Range(0.3, 500.0, "L", (1.0, 75.2), POSITIVE),
+    "full_length": Range(0.5, 500.0, "", (154.0, 355.0), POSITIVE),
+    "full_length / hull.L": Range(0.3, 300.0, "", (1.0, 75.2)),
     "rho": Range(985.0, 1035.0, "", (999.0, 1030.0), POSITIVE),
     "nu": Range(0.6e-6, 2e-6, "", (1.14e-6, 1.19e-6), POSITIVE),
     "speed": Range(0.03, 0.7, "sqrt(g L)", (0.142, 0.25), POSITIVE),
@@ -58,7 +59,7 @@ HULL = {
     "L": Range(0.5, 500.0, "", (3.06, 355.0), POSITIVE),
     "B": Range(0.05, 0.5, "L", (0.122, 0.181), POSITIVE),
     "d": Range(0.08, 1.0, "B", (0.284, 0.362), POSITIVE),
-    "volume": Range(0.25, 0.95, "L B d", (0.535, 0.8), POSITIVE),  # block coefficient
+    "volume": Range(0.25, 1.0, "L B d", (0.535, 0.8), (TINY, 1.0)),  # C_B; a box has 1
     "x_G": Range(-0.1, 0.1, "L", (-0.0164, 0.0357)),
     "k_zz": Range(0.15, 0.4, "L", (0.24, 0.251), POSITIVE),
     "S": Range(0.35, 1.3, "L (B + 2 d)", (0.651, 0.853), POSITIVE),
@@ -104,7 +105,7 @@ PROPELLER = {
 RUDDER = {
     "A_R": Range(0.004, 0.1, "L d", (0.0167, 0.034), POSITIVE),  # of each
     "f_alpha": Range(1.0, 6.2, "", (2.19, 3.01), POSITIVE),
-    "epsilon": Range(0.4, 1.8, "", (0.662, 1.09), POSITIVE),
+    "epsilon": Range(0.4, 1.8, "", (0.662, 1.09)),
     "kappa": Range(0.0, 1.5, "", (0.5, 1.0)),
     "eta": Range(0.2, 1.0, "", (0.626, 0.87), (TINY, 1.0)),  # a share of the rudder's height
     "gamma_R_p": Range(0.0, 1.5, "", (0.088, 0.64)),
@@ -182,13 +183,14 @@ WIND = {
     "masts": Range(0.0, 10.0, "", (1.0, 1.0), NOT_NEGATIVE),
 }
 
-# At the lower end of the data the thrust of a propeller that pulls, at the upper the same or less.
+# At the lower end of the data the thrust of a propeller that pulls, and it falls with J.
 OPEN_WATER = {
     "J_low": Range(0.0, 1.5, "", (0.0, 0.55), (-3.0, 3.0)),
     "J_high": Range(0.2, 2.5, "", (0.8, 1.35), (-3.0, 3.0)),
     "K_T at J_low": Range(0.05, 1.5, "", (0.293, 0.54)),
     "K_Q at J_low": Range(0.004, 0.4, "", (0.0311, 0.123)),
     "K_T at J_high": Range(-0.5, 0.5, "", (-0.0158, 0.219)),
+    "mean slope of K_T": Range(-1.5, -0.15, "", (-0.513, -0.386)),
 }
 
 # Trials and points of self-propulsion are at the scale of their ship; n by the point's own speed.

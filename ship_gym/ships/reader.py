@@ -9,9 +9,19 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.config import UNITS, ConfigError, Findings, check_number, nearest, shown, unknown_keys
+from ship_gym.ships.estimators import ESTIMATED
 
 _TEXTS = ("source", "variant", "type")
 _NUMBER_KEYS = ("value", "unit", "source", "estimated")
+
+
+def _hint(section: str, name: str, estimated: bool) -> str:
+    """What may help where a number is missing."""
+    if section != "hull":
+        return ""
+    if estimated:
+        return "; hull.estimate = true fills up only added masses and derivatives"
+    return "; hull.estimate = true fills it up" if name in ESTIMATED else ""
 
 
 class Reader:
@@ -81,14 +91,14 @@ class Reader:
         return [(name, entry) for name, entry in named if self.table(name, entry) is not None]
 
     def section(
-        self, name: str, cls: type, values: Mapping[str, Any], partial: bool = False
+        self, name: str, cls: type, values: Mapping[str, Any], spared: Collection[str] = ()
     ) -> Any:
-        """A dataclass of particulars; unless `partial`, each field without a default is needed."""
+        """A dataclass of particulars; needed are the fields without a default but `spared`."""
         made = self._numbers(name, cls, values)
         for field in dataclasses.fields(cls):
             if field.name not in made and field.default is dataclasses.MISSING:
-                if not partial:
-                    hint = "; hull.estimate = true fills it up" if name == "hull" else ""
+                if field.name not in spared:
+                    hint = _hint(name, field.name, bool(spared))
                     self.add(f"missing key {name}.{field.name!r}{hint}")
                 made[field.name] = None
         return cls(**made)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
 from ship_gym.config import build
-from ship_gym.ships.estimators import estimated_hull
+from ship_gym.ships.estimators import ESTIMATED, estimated_hull
 from ship_gym.ships.files import name_of
 from ship_gym.ships.open_water_entry import open_water
 from ship_gym.ships.particulars import (
@@ -22,7 +22,7 @@ from ship_gym.ships.particulars import (
     SteeringGear,
     WindAreas,
 )
-from ship_gym.ships.plausible import findings_of
+from ship_gym.ships.plausible import errors_of, findings_of
 from ship_gym.ships.reader import Reader
 from ship_gym.ships.scaling import scaled
 from ship_gym.ships.trials import Trial, scaled_trial
@@ -140,7 +140,7 @@ def scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
 def _judged(ship: Ship, reader: Reader) -> Ship:
     """The ship, if nothing was found that is wrong; else every finding is told."""
     found = findings_of(ship)
-    for line in found.impossible + (found.implausible if ship.strict else []):
+    for line in errors_of(ship, found):
         reader.add(line)
     reader.findings.tell()
     return dataclasses.replace(ship, implausible=tuple(found.implausible))
@@ -164,30 +164,29 @@ def _sections(parts: Mapping[str, Mapping | None], reader: Reader) -> dict[str, 
     return sections
 
 
-def _filled_up(hull: Mapping[str, Any], reader: Reader) -> tuple[dict[str, Any], bool]:
+def _filled_up(hull: Mapping[str, Any], reader: Reader) -> tuple[dict[str, Any], Collection[str]]:
     """The section ``hull``, with ``estimators.estimated_hull`` if it asks for that.
 
-    And whether it asks: where the estimates cannot be made, what they would fill up is not
-    missing.
+    And what is not missing where the estimates cannot be made, since they would fill it up.
     """
     hull = dict(hull)
     wanted = reader.switch("hull.estimate", hull.pop("estimate", False))
     if not wanted:
-        return hull, False
+        return hull, ()
     main = {
         key: reader.number(f"hull.{key}", unit, hull[key])
         for key, unit in _MAIN.items()
         if key in hull
     }
     if len(main) < len(_MAIN) or None in main.values():
-        return hull, True
+        return hull, ESTIMATED
     with reader.kept():
         estimates = {
             key: {"value": value, "unit": "-", "estimated": why}
             for key, (value, why) in estimated_hull(**main).items()
         }
         hull = {**estimates, **hull}
-    return hull, True
+    return hull, ESTIMATED
 
 
 def _check_surrogate(entry: Mapping[str, Any], reader: Reader) -> None:

@@ -61,6 +61,7 @@ N_BRIDGE = len(OBSERVATIONS)
 ASTERN_ROWS = ("propeller", "propeller_command")
 _LOW = tuple(-1.0 if row.name in ASTERN_ROWS else row.low for row in OBSERVATIONS)
 _HIGH = tuple(row.high for row in OBSERVATIONS)
+_ASTERN = tuple(k for k, row in enumerate(OBSERVATIONS) if row.name in ASTERN_ROWS)
 
 SATURATED = 0.999  # share of the largest rudder angle that counts as hard over
 
@@ -201,6 +202,9 @@ def observe_bridge(state, waves, command, ship, sea, task, interval, row):
     )
     for k in range(N_BRIDGE):
         row[k] = clipped(values[k], _LOW[k], _HIGH[k])
+    for k in _ASTERN:  # the flow may drive a stopped propeller backwards
+        if row[k] < -task.astern:
+            row[k] = -task.astern
     return seen
 
 

@@ -7,7 +7,6 @@ those of the termination; its weight is then a key of the section ``reward``.
 from __future__ import annotations
 
 import dataclasses
-import math
 from typing import NamedTuple
 
 from ship_gym.config import check_fields
@@ -15,6 +14,8 @@ from ship_gym.conventions import DELTA, PSI, U
 from ship_gym.physics._kernel import kernel
 from ship_gym.physics.dynamics import water_velocity
 from ship_gym.tasks.base import Term, check_names
+
+HEAVIEST = 1e9  # weight: the sum of all terms stays a number
 
 COSTS = (
     Term("rudder", "delta^2 [rad^2]", "Of delta^2 [1/rad^2].", None),
@@ -84,7 +85,7 @@ def reward_section(own: tuple[Term, ...]) -> type:
     ]
 
     def check(self):
-        ranges = dict.fromkeys((term.name for term in terms), (0.0, math.inf, "-"))
+        ranges = dict.fromkeys((term.name for term in terms), (0.0, HEAVIEST, "-"))
         check_fields("reward", self, ranges)
 
     text = "\n".join(f"{term.name} : float\n    {term.meaning}" for term in terms)

@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_angle, check_number
+from ship_gym.config import ConfigError, check_angle, check_number, shown
 from ship_gym.tracks.track import SHARPEST_TURN
 
 MARGIN = 1.0  # straight part that is left on every leg [L]
@@ -27,7 +27,7 @@ MARGIN = 1.0  # straight part that is left on every leg [L]
 def n_draws(legs: int) -> int:
     """Number of uniform draws of a track of `legs` legs: a length each and the turns between."""
     if isinstance(legs, bool) or not isinstance(legs, int | np.integer) or legs < 1:
-        raise ConfigError(f"legs = {legs!r}: must be a whole number, at least 1")
+        raise ConfigError(f"legs = {shown(legs)}: must be a whole number, at least 1")
     return 2 * int(legs) - 1
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_angle, check_number
+from ship_gym.config import ConfigError, check_angle, check_number, shown
 from ship_gym.conventions import wrap_angle
 
 SHORTEST_LEG = 1e-3  # [m]; shorter is a way-point given twice
@@ -154,7 +154,7 @@ def checked_origin(origin_deg: Any) -> tuple[float, float]:
         latitude, longitude = origin_deg
     except (TypeError, ValueError):
         raise ConfigError(
-            f"origin_deg = {origin_deg!r}: must be (latitude, longitude) [deg]"
+            f"origin_deg = {shown(origin_deg)}: must be (latitude, longitude) [deg]"
         ) from None
     return (
         check_number("origin_deg latitude", latitude, -90.0, 90.0, "deg"),

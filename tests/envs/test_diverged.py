@@ -4,15 +4,18 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from ship_gym.conventions import U
+import ship_gym
+from ship_gym.config import ConfigError
+from ship_gym.conventions import R, U
 from ship_gym.evaluation import metrics, rollout
 from ship_gym.evaluation.controller import ConstantController
-from ship_gym.simulation import FASTEST
+from ship_gym.scenarios.sections import LARGEST
+from ship_gym.simulation import FASTEST, ShipSim, SimulationDiverged
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.base import DIVERGED
 
 HEADING = "ShipGym/HeadingKeeping-v0"
-# ten standard deviations of the surrogate: some of these ships are none
+# ten standard deviations of the surrogate: some of these ships are none, so it is not allowed
 WILD = {"randomisation.surrogate_std": 10.0, "limits.heading_error_deg": 180.0}
 FULL = {"ship": "onrt", "control": "rudder+rpm", "overrides": WILD}
 
@@ -23,8 +26,16 @@ def hard_over(n):
     return actions
 
 
+@pytest.fixture(scope="module", autouse=True)
+def wild():
+    """Allow it here."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(LARGEST, "surrogate_std", 10.0)
+        yield
+
+
 @pytest.fixture(scope="module")
-def sailed():
+def sailed(wild):
     """Seeds 0 to 127 hard over at full speed; when each diverged, 0: not at all."""
     envs = gym.make_vec(HEADING, num_envs=128, autoreset_mode="Disabled", **FULL)
     envs.reset(seed=0)
@@ -133,3 +144,105 @@ def test_a_recording_of_one_has_finite_columns_and_metrics():
     for name in trajectory.names:
         assert np.isfinite(trajectory[name]).all(), name
     assert metrics(trajectory)["success"] == 0.0
+
+
+N = 512
+BAD = 77  # among them
+
+
+def spoil(envs):
+    """One ship wins energy by drifting and turning: no loader lets such a ship through."""
+    hull = envs.episodes.sim.records["hull"]
+    for name in ("Y_v", "N_r"):
+        hull[name][BAD] *= -20.0
+
+
+def states_of(envs, spoiled, intervals=40):
+    """Everything that 512 ships gave in some intervals, and whether the bad one diverged."""
+    envs.reset(seed=3)
+    if spoiled:
+        spoil(envs)
+    rng, rows, ended = np.random.default_rng(5), [], False
+    for _ in range(intervals):
+        actions = rng.uniform(-1.0, 1.0, (N, 1))
+        observations, rewards, terminated, truncated, info = envs.step(actions)
+        assert not truncated.any()
+        assert np.isfinite(rewards).all() and envs.observation_space.contains(observations)
+        assert np.isfinite(envs.episodes.sim.state).all()
+        ended |= bool(terminated[BAD]) and info["outcome"][BAD] == DIVERGED
+        rows.append(np.column_stack([envs.episodes.sim.state, observations, rewards, terminated]))
+        if terminated.any():
+            envs.reset(options={"reset_mask": terminated})
+    return np.array(rows), ended
+
+
+def test_one_bad_ship_among_512_is_nothing_to_the_others():
+    calm = {"scenario": "heading_calm", "autoreset_mode": "Disabled"}
+    seen = []
+    for spoiled in (False, True):
+        # ships that differ, so that one may
+        overrides = {"randomisation.hull_std": 0.01}
+        envs = gym.make_vec(HEADING, num_envs=N, overrides=overrides, **calm)
+        seen.append(states_of(envs, spoiled))
+    (good, never), (bad, ended) = seen
+    assert ended and not never
+    others = np.arange(N) != BAD
+    assert (good[:, others] == bad[:, others]).all()
+    assert (good[:, BAD] != bad[:, BAD]).any()
+
+
+def test_nothing_hides_between_two_looks():
+    """A spin within a long interval that is over at its end: each integration step counts."""
+    sim = ShipSim("kcs")
+    sim.reset(0)
+    sim.set_interval(60.0)
+    sim.state[0, R] = 0.9 * sim.limits[0, 1]
+    assert sim.sail() == 1 and not sim.lost[0]
+    sim.reset(0)
+    sim.state[0, R] = 4.0 * sim.limits[0, 1]
+    assert sim.sail() == 0 and sim.lost[0]
+    assert abs(sim.state[0, R]) < sim.limits[0, 1]
+
+
+def test_a_bare_simulation_says_what_became_of_her():
+    sim = ShipSim("kcs", 3)
+    sim.reset(0)
+    sim.state[1, U] = 158.0 * sim.ships[1].speed
+    with pytest.raises(
+        SimulationDiverged, match=r"ship 1 \(kcs\) .* beyond 18.65 m/s .*: state u="
+    ):
+        sim.step(np.zeros((3, 2)), 1.0)
+    sim.reset(0)
+    sim.state[2, U] = np.nan
+    with pytest.raises(SimulationDiverged, match=r"ship 2 .* not finite: state u=nan"):
+        sim.step(np.zeros((3, 2)), 1.0)
+    with pytest.raises(ConfigError, match=r"kcs: speed = 20.0: allowed is -18.649 to 18.649"):
+        sim.reset(0, speed=20.0)
+
+
+def test_a_reward_that_is_no_number_ends_the_episode():
+    """By weights that no scenario may have: infinite minus infinite."""
+    envs = gym.make_vec(HEADING, num_envs=3, autoreset_mode="Disabled")
+    envs.reset(seed=0)
+    envs.episodes.tasks["heading"][1] = np.nan
+    _, rewards, terminated, _, info = envs.step(np.zeros((3, 1)))
+    assert terminated.tolist() == [False, True, False] and info["outcome"][1] == DIVERGED
+    assert np.isfinite(rewards).all() and rewards[1] == -200.0
+
+
+def test_torch_is_the_vector_environment_also_of_ships_that_diverge():
+    torch = pytest.importorskip("torch")
+    env = ship_gym.ShipTorchEnv(128, **FULL)
+    vector = ship_gym.ShipVectorEnv(
+        128, scenario="heading_keeping", autoreset_mode="SameStep", **FULL
+    )
+    env.reset(seed=0)
+    vector.reset(seed=0)
+    ended = 0
+    for _ in range(60):
+        *ours, _ = env.step(torch.from_numpy(hard_over(128)))
+        *theirs, _ = vector.step(hard_over(128))
+        for a, b in zip(ours, theirs, strict=True):
+            np.testing.assert_array_equal(a.numpy(), b)
+        ended += int(theirs[2].sum())
+    assert ended > 0

@@ -1,5 +1,7 @@
 """Per-episode draws from the standard deviation of a surrogate."""
 
+import dataclasses
+
 import gymnasium as gym
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from ship_gym.evaluation import rollout
 from ship_gym.scenarios import load_scenario
 
 ID = "ShipGym/HeadingKeeping-v0"
+WAKE = {"randomisation.interaction_std": 0.3}
 ON = {"randomisation.surrogate_std": 1.0}
 HARD_OVER = np.array([1.0])
 
@@ -109,3 +112,16 @@ def test_a_surrogate_without_standard_deviation_is_refused(surrogate):
 def test_a_size_that_is_none_is_refused(size, words):
     with pytest.raises(ConfigError, match=words):
         ShipEnv(overrides={"randomisation.surrogate_std": size})
+
+
+def test_no_draw_takes_all_of_the_flow_from_a_propeller():
+    """w_P0 = 0.6 times 1.9 would be above 1."""
+    ship = load_ship("kvlcc2")
+    full = dataclasses.replace(ship, propeller=dataclasses.replace(ship.propeller, w_P0=0.6))
+    words = (
+        r"interaction_std = 0.3: propeller.w_P0 = 0.6 of kvlcc2 .* up to 1.14; allowed is 0 to 0.19"
+    )
+    with pytest.raises(ConfigError, match=words):
+        ShipEnv(ship=full, overrides=WAKE)
+    ShipEnv(ship=full, overrides={"randomisation.interaction_std": 0.19})
+    ShipEnv(ship=ship, overrides=WAKE)

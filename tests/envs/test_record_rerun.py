@@ -19,6 +19,7 @@ from ship_gym.config import ConfigError
 from ship_gym.evaluation import metrics, rollout
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.recording.journal import Journal
+from ship_gym.scenarios.sections import LARGEST
 
 pytest.importorskip("rerun")
 ID = "ShipGym/HeadingKeeping-v0"
@@ -272,7 +273,8 @@ def test_options_of_a_reset_are_in_the_recording(tmp_path):
     assert (t["x"][0], t["y"][0]) == (10.0, -5.0) and len(t) == 13
 
 
-def test_a_ship_that_diverges_is_recorded_as_in_a_rollout(tmp_path):
+def test_a_ship_that_diverges_is_recorded_as_in_a_rollout(tmp_path, monkeypatch):
+    monkeypatch.setitem(LARGEST, "surrogate_std", 10.0)
     wild = {"randomisation.surrogate_std": 10.0, "limits.heading_error_deg": 180.0}
     env = {"ship": "onrt", "control": "rudder+rpm", "overrides": wild | {"duration": 60.0}}
 

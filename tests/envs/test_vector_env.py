@@ -123,6 +123,17 @@ def test_disabled_autoreset_resets_by_mask():
     env.step(np.zeros((3, 1)))
 
 
+def test_a_ship_that_was_never_reset_does_not_sail():
+    env = ship_gym.ShipVectorEnv(3, autoreset_mode="Disabled")
+    with pytest.raises(ConfigError, match=r"step before reset: call reset first$"):
+        env.step(np.zeros((3, 1)))
+    env.reset(options={"reset_mask": np.array([True, False, False])})
+    with pytest.raises(ConfigError, match=r"call reset first, also of the environments \[1, 2\]"):
+        env.step(np.zeros((3, 1)))
+    env.reset(options={"reset_mask": np.array([False, True, True])})
+    env.step(np.zeros((3, 1)))
+
+
 def test_info_is_the_caller_s_to_change():
     env = ship_gym.ShipVectorEnv(2)
     _, info = env.reset(seed=0)

@@ -66,3 +66,26 @@ def test_other_files_are_refused(tmp_path):
     write_results(text, Results(made.table.set_column(k, "seed", pa.array([1.5])), {}))
     with pytest.raises(ConfigError, match="column 'seed' is of type double, must be int64"):
         read_results(text)
+
+
+@pytest.mark.parametrize(
+    ("about", "values", "words"),
+    [
+        (b"", {}, "not valid JSON"),
+        (b"[1]", {}, "says of itself [1]: allowed is a mapping"),
+        (b'{"a": 1e999}', {}, "is larger than any number"),
+        (b"[" * 100_000, {}, "nested too deep"),
+        (b"{}", {"value": float("nan")}, "column 'value' holds a number that is not finite"),
+        (b"{}", {"ship": None}, "column 'ship' has a row without a value"),
+    ],
+)
+def test_damaged_contents_are_one_line(tmp_path, about, values, words):
+    file, table = tmp_path / "a.parquet", table_of([row(1)])
+    for name, value in values.items():
+        field = table.schema.field(name)
+        column = pa.array([value], field.type)
+        table = table.set_column(table.column_names.index(name), field, column)
+    parquet.write_table(table.replace_schema_metadata({b"ship_gym": about}), file)
+    with pytest.raises(ConfigError) as error:
+        read_results(file)
+    assert words in str(error.value) and str(file) in str(error.value)

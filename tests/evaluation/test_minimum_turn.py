@@ -9,6 +9,7 @@ from ship_gym.config import ConfigError
 from ship_gym.conventions import PSI, R
 from ship_gym.evaluation.minimum_turn import minimum_turn_time
 from ship_gym.ships import load_ship
+from ship_gym.ships.plausible import checked
 from ship_gym.simulation import ShipSim, self_propulsion
 
 BAND = math.radians(2.0)
@@ -90,5 +91,6 @@ def test_what_cannot_be_turned_is_refused():
     with pytest.raises(ConfigError, match="allowed is"):
         minimum_turn_time("s175", 3.3)
     stiff = with_rudder(load_ship("s175"), delta_max=math.radians(0.05))
+    stiff = checked(dataclasses.replace(stiff, strict=False))
     with pytest.raises(ConfigError, match=r"s175: no turn of 180 deg within 3600 s"):
         minimum_turn_time(stiff, 1.0)

@@ -12,7 +12,12 @@ import pytest
 torch = pytest.importorskip("torch")
 pytestmark = pytest.mark.compiled
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
-NEEDS = {"torchrl_env": "torchrl", "ppo_rllib": "tree", "clone_pid": "minari"}  # tree: dm-tree
+NEEDS = {
+    "torchrl_env": "torchrl",
+    "torchrl_gym": "torchrl",
+    "ppo_rllib": "tree",
+    "clone_pid": "minari",
+}  # tree: dm-tree
 
 
 @pytest.fixture
@@ -127,7 +132,20 @@ def test_torchrl(example):
     assert json.loads(out[out.index("{") :])["shape"] == [4, 10]
 
 
-@pytest.mark.parametrize("name", ["ppo_torch", "clone_pid", "ppo_rllib", "torchrl_env"])
+@pytest.mark.slow
+@pytest.mark.parametrize("mode", ["SameStep", "Disabled"])
+def test_torchrl_over_the_vector_environment(example, mode):
+    code, out, err = example(
+        "torchrl_gym", "--envs", 4, "--steps", 10, "--autoreset", mode, "--json"
+    )
+    assert code == 0, err
+    result = json.loads(out[out.index("{") :])
+    assert result["shape"] == [4, 10] and result["mean_power"] > 0.0
+
+
+@pytest.mark.parametrize(
+    "name", ["ppo_torch", "clone_pid", "ppo_rllib", "torchrl_env", "torchrl_gym"]
+)
 def test_help_has_two_examples(example, name):
     code, out, _ = example(name, "--help")
     assert code == 0 and out.count("python docs/examples/") == 2

@@ -136,3 +136,66 @@ def test_other_files_are_refused(tmp_path):
     (tmp_path / "text.rrd.partial").write_text("t,x\n")
     with pytest.raises(DamagedRecording, match="not a journal"):
         read_journal(tmp_path / "text.rrd.partial")
+
+
+def with_head(path, head: bytes, rows=ROWS[:3], width: int | None = None):
+    """A journal whose digests are right, whatever its head says."""
+    journal = Journal(path, NAMES, {})
+    journal._file.truncate(0)
+    journal._file.seek(0)
+    journal._digest = b""
+    journal._write(b"Ship Gym journal 1\n")
+    journal._append(b"HEAD", head)
+    journal._append(b"ROWS", rows.tobytes()[: None if width is None else width])
+    journal._file.close()
+    return path
+
+
+@pytest.mark.parametrize(
+    ("head", "words"),
+    [
+        (b"", "not a recording, or damaged: Expecting value"),
+        (b"[" * 100_000, "nested too deep"),
+        (b"\xff\xfe", "not a recording, or damaged"),
+        (b"[1]", "not a recording, or damaged"),
+        (b'{"columns": ["t", "x"]}', "no 'meta'"),
+        (b'{"columns": 7, "meta": {}}', "columns = 7: allowed is a list of names"),
+        (b'{"columns": ["t", [1]], "meta": {}}', "allowed is a list of names"),
+        (b'{"columns": ["t", "t"], "meta": {}}', "each is allowed once"),
+        (b'{"columns": [], "meta": {}}', "each is allowed once, none not"),
+        (b'{"columns": ["t", "x"], "meta": 1}', "meta = 1: allowed is a mapping"),
+        (b'{"columns": ["t", "x", "y", "z"], "meta": {}}', "not a recording, or damaged: cannot"),
+        (b'{"columns": ["a", "x"], "meta": {}}', "a trajectory needs a column 't'"),
+        (b'{"columns": ["t", "\\u0000"], "meta": {}}', "column names are printable"),
+    ],
+)
+def test_a_head_that_is_sealed_and_wrong_is_one_line(tmp_path, head, words):
+    """The digests are no signature: what lies behind them may be anything."""
+    path = with_head(tmp_path / "run.rrd.partial", head)
+    with pytest.raises(DamagedRecording) as error:
+        Trajectory.from_file(path)
+    assert words in str(error.value) and str(path) in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        (np.array([[0.0, np.nan]]), "column 'x' is nan in row 0"),
+        (np.array([[1.0, 0.0], [0.0, 0.0]]), "column 't' does not increase at row 1"),
+        (np.zeros(3), "not a recording, or damaged: cannot reshape"),
+    ],
+)
+def test_rows_that_are_sealed_and_wrong_are_one_line(tmp_path, rows, words):
+    head = b'{"columns": ["t", "x"], "meta": {}}'
+    path = with_head(tmp_path / "run.rrd.partial", head, rows)
+    with pytest.raises(DamagedRecording) as error:
+        Trajectory.from_file(path)
+    assert words in str(error.value) and str(path) in str(error.value)
+
+
+def test_half_a_number_is_one_line(tmp_path):
+    head = b'{"columns": ["t", "x"], "meta": {}}'
+    path = with_head(tmp_path / "run.rrd.partial", head, width=45)
+    with pytest.raises(DamagedRecording, match="buffer size must be a multiple"):
+        Trajectory.from_file(path)

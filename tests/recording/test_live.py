@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -204,6 +205,41 @@ def test_a_viewer_is_opened_on_loopback_only(monkeypatch):
     assert log.open_viewer() == live._ADDRESS
     assert started == [log.PORT]
     assert program.HOST == "127.0.0.1"
+
+
+def test_the_viewer_of_the_screen_is_told_to_bind_to_loopback(monkeypatch):
+    """What ``render_mode="human"`` starts: the whole command."""
+    commands, answers = [], iter([False, True])
+    monkeypatch.setattr(program.subprocess, "Popen", lambda given, **_: commands.append(given))
+    monkeypatch.setattr(log, "_VIEWERS", [])
+    monkeypatch.setattr(log, "listens", lambda port: next(answers))
+    log.open_viewer()
+    (command,) = commands
+    assert command[1:5] == ["--bind", "127.0.0.1", "--port", str(log.PORT)]
+    assert "--bind" not in command[5:]
+
+
+@pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="needs the list of Linux")
+def test_what_is_started_listens_on_loopback_only():
+    """By the system's own list of sockets, of the same program without a window."""
+    (port,) = program.free_ports(1)
+    viewer = program.Program(["--serve-grpc"], port)
+    try:
+        viewer.until(lambda: program.listens(port))
+        assert listening(port) == {"0100007F"}  # 127.0.0.1
+    finally:
+        viewer.end()
+
+
+def listening(port: int) -> set[str]:
+    """Addresses of this machine at which somebody listens on a port, as Linux writes them."""
+    rows = [
+        line.split()
+        for name in ("tcp", "tcp6")
+        for line in Path(f"/proc/net/{name}").read_text().splitlines()[1:]
+    ]
+    found = [row[1].split(":") for row in rows if row[3] == "0A"]
+    return {address for address, number in found if int(number, 16) == port}
 
 
 def test_a_viewer_that_does_not_come_is_a_runtime_error(monkeypatch):

@@ -121,7 +121,7 @@ def test_a_scenario_file_from_outside(tmp_path):
         ({"track.legs": 2}, ["unknown key 'track'"]),
         ({"sensors.heading_deg": -0.1}, ["sensors.heading_deg = -0.1"]),
         ({"sensor.noise": True}, ["did you mean 'sensors'"]),
-        ({"randomisation.hull_std": 0.5}, ["randomisation.hull_std = 0.5", "0 to 0.3"]),
+        ({"randomisation.hull_std": 0.5}, ["randomisation.hull_std = 0.5", "0 to 0.2"]),
         ({"failure.rudder_rate": 2.0}, ["failure.rudder_rate = 2", "0 to 1"]),
     ],
 )

@@ -1,6 +1,7 @@
 """The wave tables of the shipped ships: limits, bounds, and how a ship finds its own."""
 
 import dataclasses
+import json
 import math
 from pathlib import Path
 
@@ -180,3 +181,43 @@ def test_a_lookup_beyond_the_ends_holds_them():
     ):
         a, b = (table.drift(*at, model="bem") for at in (inside, beyond))
         np.testing.assert_array_equal(a, b)
+
+
+def changed(tmp_path, **changes):
+    """A file of a good table with other arrays."""
+    with np.load(load_ship("kcs").wave_table) as found:
+        arrays = dict(found) | changes
+    np.savez(tmp_path / "waves.npz", **{k: v for k, v in arrays.items() if v is not None})
+    return tmp_path / "waves.npz"
+
+
+def text(**card):
+    return np.frombuffer(json.dumps(card).encode(), np.uint8)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"CY": None}, "not a wave table: no array 'CY'"),
+        ({"CY": np.float32(1.0)}, "CY has shape (): allowed is (7, 13, 40)"),
+        ({"CY": np.zeros((7, 13, 40))[..., :-1]}, "CY has shape (7, 13, 39)"),
+        ({"CX_bem": np.full((7, 13, 40), 1e7)}, "CX_bem[0, 0, 0] = 10000000.0: allowed is -100"),
+        ({"motions": np.zeros((7, 13, 40, 6, 2))}, "motions is of type float64: allowed is c"),
+        ({"motions": np.full((7, 13, 40, 6), np.nan, complex)}, "motions[0, 0, 0, 0] = (nan+0j)"),
+        ({"uncertainty": np.full((7, 13, 40), 6, np.uint8)}, "uncertainty[0, 0, 0] = 6: allowed"),
+        ({"heading": np.full(13, "0")}, "heading is of type"),
+        ({"heading": np.linspace(0.0, 3.0, 13)}, "it must reach from 0 to pi"),
+        ({"omega": np.full(40, -np.inf)}, "omega[0] = -inf: allowed is 0.01 to 100"),
+        ({"omega": np.geomspace(1.0, 5.0, 40)}, "omega needs two points or more, with equal steps"),
+        ({"froude": np.linspace(0.3, 0.0, 7)}, "froude must rise from point to point"),
+        ({"froude": np.zeros(0)}, "froude has shape (0,)"),
+        ({"card": np.zeros(3)}, "its text is an array of float64: allowed are bytes"),
+        ({"card": text(made_for={"L": 1.0, "B": 0.0, "d": 1.0})}, "card.made_for.B = 0.0: allowed"),
+        ({"card": text(made_for="L")}, "card.made_for.L = 'L': must be a number"),
+    ],
+)  # fmt: skip
+def test_a_damaged_table_is_one_line(tmp_path, changes, words):
+    path = changed(tmp_path, **changes)
+    with pytest.raises(ConfigError) as error:
+        WaveTable.load(path)
+    assert words in str(error.value) and str(path) in str(error.value)

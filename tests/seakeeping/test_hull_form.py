@@ -153,7 +153,7 @@ def test_a_pointed_stern_needs_no_transom():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"C_wp": 0.15}, r"C_wp = 0\.1500: allowed is 0\.\d+ to 0\.9"),
+        ({"C_wp": 0.40}, r"C_wp = 0\.4000: allowed is 0\.\d+ to 0\.9"),
         ({"C_wp": 0.99}, r"C_wp = 0\.9900: allowed is"),
         ({"x_F": 20.0}, r"x_F / L = 0\.0870: allowed is -0\.\d+ to 0\.0"),
         ({"C_m": 0.5}, r"C_b / C_m = 1\.\d+: allowed is"),

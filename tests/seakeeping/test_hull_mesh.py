@@ -275,8 +275,78 @@ def test_missing_and_damaged_files(tmp_path):
         read_hull(tmp_path / "none.stl", SHIP)
     (tmp_path / "hull.vtk").write_text("nonsense")
     pytest.importorskip("meshio")
-    with pytest.raises(ConfigError, match="cannot be read as a mesh"):
+    with pytest.raises(ConfigError, match="not a mesh, or damaged"):
         read_hull(tmp_path / "hull.vtk", SHIP)
+
+
+def obj(vertices, faces):
+    """Lines of an OBJ file in Capytaine's axes, triangles."""
+    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
+    corners = np.concatenate([faces[:, :3], faces[:, [0, 2, 3]]]) + 1
+    return lines + [f"f {a} {b} {c}" for a, b, c in corners if len({a, b, c}) == 3]
+
+
+def test_an_obj_file_is_read(tmp_path):
+    pytest.importorskip("trimesh")
+    (tmp_path / "hull.obj").write_text(
+        "\n".join(["mtllib ../../x.mtl", *obj(*capytaine_axes(WHOLE))])
+    )
+    assert read_hull(tmp_path / "hull.obj", SHIP).count > 690
+
+
+@pytest.mark.parametrize(
+    ("number", "line", "words"),
+    [
+        (0, "v 1.0 2.0", "hull.obj:1: 'v 1.0 2.0': needed are three numbers"),
+        (0, "v 1.0 2.0 x", "hull.obj:1: 'v 1.0 2.0 x': needed"),
+        (0, "v nan 2.0 3.0", "vertices[0, 0] = nan: allowed is -1e+09 to 1e+09"),
+        (0, "v 1 2 1e300", "vertices[0, 2] = 1e+300: allowed"),
+        (-1, "f 1 2", "'f 1 2': needed"),
+        (-1, "f 1 2 3x", "'f 1 2 3x': needed"),
+        (-1, "f 1 2 1000000000000", "hull.obj: "),
+        (-1, "f 1 2 99999", "hull.obj: "),
+        (-1, "f 0 1 2", "hull.obj: "),
+    ],
+)
+def test_a_damaged_line_of_a_mesh_is_told(tmp_path, number, line, words):
+    pytest.importorskip("trimesh")
+    lines = obj(*capytaine_axes(WHOLE))
+    lines[number] = line
+    (tmp_path / "hull.obj").write_text("\n".join(lines))
+    with pytest.raises(ConfigError) as error:
+        read_hull(tmp_path / "hull.obj", SHIP)
+    assert words in str(error.value) and "\n" not in str(error.value)
+
+
+VTK = "# vtk DataFile Version 2.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 1000000000000 float"
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.gdf", "t\n1 9.8\n0 0\n1000000000000\n1 2 3"),
+        ("b.gdf", "t\n1 9.8\n0 0\n1e400\n1 2 3"),
+        ("c.gdf", "t\n1 9.8\nnan 0\n1\n1 2 3"),
+        ("d.gdf", "t\n1 9.8\n0 0\n1\n" + "nan " * 12),
+        ("e.gdf", ""),
+        ("a.off", "OFF\n3 1000000000000 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2"),
+        ("a.ply", "ply\nformat ascii 1.0\nelement vertex 1000000000000\nend_header\n1"),
+        ("a.stl", "solid\nfacet"),
+        ("b.stl", ""),
+        ("a.obj", ""),
+        ("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0"),
+        ("a.vtk", VTK),
+        ("a.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 1000000000000 1 2"),
+        ("a.vtu", "<VTKFile>"),
+    ],
+)  # fmt: skip
+def test_a_mesh_that_is_none_is_one_line(tmp_path, name, text):
+    pytest.importorskip("trimesh")
+    pytest.importorskip("meshio")
+    (tmp_path / name).write_text(text)
+    with pytest.raises(ConfigError) as error:
+        read_hull(tmp_path / name, SHIP)
+    assert str(tmp_path / name) in str(error.value) and "\n" not in str(error.value)
 
 
 # --- the real hull of DTC, which is not in the package -----------------------------------------
@@ -289,7 +359,7 @@ def test_the_published_hull_of_dtc(tmp_path):
     path = tmp_path / "dtc.stl"
     path.write_bytes(gzip.decompress(DTC.read_bytes()))
     hull = dataclasses.replace(SHIP.hull, L=355.0, B=51.0, d=14.5, volume=173468.0, S=22032.0)
-    ship = dataclasses.replace(SHIP, name="dtc", hull=hull, form=None)
+    ship = dataclasses.replace(SHIP, name="dtc", hull=hull, form=None, wind=None)
     where = {"scale": 59.407, "midship": 177.5, "waterline": 0.2440 * 59.407}
     mesh = read_hull(path, ship, panels=704, **where)
     # all 81,000 panels of the file below the waterline

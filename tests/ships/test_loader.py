@@ -84,6 +84,42 @@ def test_a_surrogate_of_large_drift_only_is_not_shifted_by_a_point_it_does_not_k
     assert ship.rudder == bare.rudder  # her captive set is measured all the same
 
 
+@pytest.mark.parametrize(
+    ("part", "changes", "words"),
+    [
+        ("domain", None, "its card has no 'domain'"),
+        ("domain", {"delta": None}, "domain: missing key 'delta'"),
+        ("domain", {"J_max": -1.0}, "domain.J_max = -1.0: allowed is 0.2 to 10"),
+        ("made_for", {"L": 0.0}, "made_for.L = 0.0: allowed"),
+        ("made_for", {"f_alpha": 300.0}, "made_for.f_alpha = 300.0: allowed"),
+        ("effective_inflow", {"gamma_R": {}}, "gamma_R is empty"),
+        ("effective_inflow", {"epsilon": float("nan")}, "epsilon = nan"),
+    ],
+)
+def test_a_surrogate_whose_card_lacks_what_sailing_needs_is_refused(part, changes, words):
+    table = load_ship("kcs_model").surrogate
+    wanted = {**table.card[part], **(changes or {})}
+    card = {**table.card, part: {k: v for k, v in wanted.items() if v is not None}}
+    if changes is None:
+        del card[part]
+    with pytest.raises(ConfigError) as error:
+        attach_surrogate("kcs_model", dataclasses.replace(table, card=card), "own")
+    assert words in str(error.value) and str(error.value).startswith("surrogate own: ")
+
+
+def test_a_surrogate_of_other_quantities_or_sizes_is_refused():
+    table = load_ship("kcs_model").surrogate
+    huge = dataclasses.replace(table, values=table.values * 1e3)
+    with pytest.raises(ConfigError, match=r"surrogate own: C_T\[.* allowed is -10 to 10"):
+        attach_surrogate("kcs_model", huge, "own")
+    with pytest.raises(ConfigError, match=r"needed are C_T, C_Q"):
+        attach_surrogate("kcs_model", dataclasses.replace(table, names=tuple("abcdefghijk")), "own")
+    epsilon, drift = table.axes
+    axes = (dataclasses.replace(epsilon, start=-1.0), drift)
+    with pytest.raises(ConfigError, match=r"axis 'advance angle' reaches -1: allowed is 0 to 1.57"):
+        attach_surrogate("kcs_model", dataclasses.replace(table, axes=axes), "own")
+
+
 def test_a_table_of_the_model_fits_the_full_scale_ship_and_no_other():
     table = load_ship("kcs_model").surrogate
     full = load_ship("kcs")
@@ -180,7 +216,7 @@ def test_a_ship_file_from_outside_the_package(own_ship):
         (
             'value = 3.27, unit = "m3"',
             'value = 32.7, unit = "m3"',
-            ["hull.volume = 32.7 m3", "0.25 to 0.95 L B d"],
+            ["hull.volume = 32.7 m3", "0.25 to 1 L B d"],
         ),
         (
             'value = 0.0539, unit = "m2" }',

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import shutil
 import warnings
 
 import pytest
 
 import ship_gym
-from ship_gym.config import LONGEST, ConfigError, ImplausibleShip
+from ship_gym.config import LONGEST, MOST_FINDINGS, ConfigError, ImplausibleShip
+from ship_gym.recording.about import ship_meta
+from ship_gym.reports.manoeuvre import estimates
 from ship_gym.ships import available_ships, available_variants, load_ship, scaled
 from ship_gym.ships.files import DATA
 from ship_gym.ships.loader import available_surrogates
@@ -43,6 +46,11 @@ REFUSED = [
     ("A_R = { value = 0.0539", "A_R = { value = 112.5", "rudder.A_R = 112.5 m2 = 34.94 L d"),
     ("J_range = [0.0, 0.8]", "J_range = [0.8, 0.0]", "open_water.J_range = [0.8, 0.0]"),
     ("J_range = [0.0, 0.8]", "J_range = [1, 0]", "low < high"),
+    (
+        "K_T = [0.2931, -0.2753, -0.1385]",
+        "K_T = [0.2931, -0.1]",
+        "open_water.mean slope of K_T = -0.1",
+    ),
     ("speed = { value = 1.179", "speed = { value = 0", "speed = 0 m/s"),
     ("full_length = { value = 320.0", "full_length = { value = -320.0", "full_length = -320 m"),
     ("full_length = { value = 320.0", "full_length = { value = 0", "full_length = 0 m"),
@@ -148,17 +156,55 @@ def test_all_findings_are_told_at_once(own):
     assert len(text.splitlines()) == 10
 
 
+def test_what_estimates_need_is_missing_where_it_is(tmp_path):
+    path = tmp_path / "mine.toml"
+    text = (DATA / "onrt_model" / "ship.toml").read_text().replace('default = "G2_SA"', "")
+    path.write_text(re.sub(r"\n(B|N_r) = .*", "", text))
+    with pytest.raises(ConfigError) as error:
+        load_ship(path)
+    assert [line.split("mine.toml: ")[1] for line in str(error.value).splitlines()] == [
+        "missing key hull.'B'; hull.estimate = true fills up only added masses and derivatives"
+    ]
+
+
+def test_limits_without_an_end_are_in_words():
+    ship = dataclasses.replace(changed("propeller", t_P=1.2), strict=False)
+    with pytest.raises(ConfigError, match=r"propeller.t_P = 1.2: allowed is 0.99 or less$"):
+        load_ship(ship)
+
+
+def test_one_slip_is_one_finding(own):
+    """Numbers by a number that is wrong are not wrong with it."""
+    for change in (
+        ("rho = { value = 999.103", "rho = { value = 0.999"),
+        ("L = { value = 7.00", "L = { value = 700.0"),
+    ):
+        with pytest.raises(ConfigError) as error:
+            load_ship(own(change))
+        first, *rest = str(error.value).splitlines()
+        assert change[1].split(" =")[0] in first and "strict = false" in rest[-1] and len(rest) == 1
+
+
 def test_a_ship_that_is_not_strict_warns_of_ranges_alone(own):
     free = ('title = "', 'strict = false\ntitle = "')
     with pytest.warns(ImplausibleShip, match=r"not strict:\n  hull.x_G = 1 m = 0.1429 L: allowed"):
         ship = load_ship(own(free, ("x_G = { value = 0.25", "x_G = { value = 1.0")))
     assert not ship.strict and len(ship.implausible) == 1
-    assert "  implausible hull.x_G = 1 m" in ship.describe()
+    for text in (ship.describe(), estimates(ship), *ship_meta(ship)["implausible"]):
+        assert "hull.x_G = 1 m" in text
     for change in (("R_0 = { value = 0.", "R_0 = { value = -0."), ("m_x = 0.022", "m_x = -0.5")):
         with pytest.raises(ConfigError, match=change[1].split()[0]):
             load_ship(own(free, change))
     with pytest.raises(ConfigError, match="strict = 0: allowed is true or false"):
         load_ship(own(("title", "strict = 0\ntitle")))
+
+
+def test_findings_of_a_file_full_of_nonsense_are_not_endless(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text("".join(f"key_{k} = {k}\n" for k in range(1000)))
+    with pytest.raises(ConfigError, match="more is wrong, see to these first") as error:
+        load_ship(path)
+    assert len(str(error.value).splitlines()) == MOST_FINDINGS + 1
 
 
 def test_what_is_not_strict_stays_so_when_scaled(own, tmp_path):
@@ -319,3 +365,13 @@ def test_slips_of_a_unit_and_of_a_sign_are_noticed():
     damping = {"hull.Y_v", "hull.N_v", "hull.N_r", "hull.X_vv", "hull.N_vvr", "hull.Y_vrr"}
     rudder = {f"rudder.{key}" for key in RANGES["rudder"]} - {"rudder.neutral"}
     assert not (sized | damping | rudder) & unnoticed(-1.0)
+
+
+def test_a_hull_variant_is_named_with_its_file(tmp_path):
+    shutil.copytree(DATA / "kcs_model", tmp_path / "mine")
+    variant = tmp_path / "mine" / "hull_a.toml"
+    variant.write_text(variant.read_text().replace("Y_vrr = -0.8341", "Y_vrr = 0.8341"))
+    path = str(tmp_path / "mine" / "ship.toml")
+    with pytest.raises(ConfigError, match=r"ship.toml with hull_a.toml: hull.Y_vrr = 0.8341: all"):
+        load_ship(path, variant="hull_a")
+    assert load_ship(path, surrogate="none").strict

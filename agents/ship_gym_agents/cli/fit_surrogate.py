@@ -63,7 +63,7 @@ def command(as_json, install, **options) -> None:
 
     The result is a table file that attaches to a ship.
     """
-    from ship_gym.provenance import check_place, locked
+    from ship_gym.provenance import check_place, held
     from ship_gym.ships.files import DATA
     from ship_gym_agents.cli.output import need, show
 
@@ -72,7 +72,7 @@ def command(as_json, install, **options) -> None:
         need("matplotlib")
     if install is not None:
         place = DATA if install == Path() else install
-        with locked(check_place(place, "--install", folder=True) / ".fit.lock", "fits tables here"):
+        with held(check_place(place, "--install", folder=True) / "tables", "fits tables"):
             files = _install(place)
         show(as_json, {"files": files}, "wrote\n  " + "\n  ".join(files))
     else:

@@ -24,6 +24,8 @@ class Several(click.Option):
 class MayStandAlone(click.Option):
     """An option whose value may be left out; it is then the empty text."""
 
+    alone = True  # for the types of values
+
 
 class Verb(click.Command):
     """A command whose help ends with examples.
@@ -42,6 +44,8 @@ class Verb(click.Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse with ``--option a b`` as ``--option a --option b`` where an option allows it."""
+        if zero := [word for word in args if "\0" in word]:  # no shell gives it, a program may
+            raise click.UsageError(f"{zero[0][:60]!r}: no word has a zero byte", ctx)
         ctx.meta[TYPED] = [*args]
         return super().parse_args(ctx, self._expanded(args))
 

@@ -58,7 +58,7 @@ def result_in(path: Path) -> Result | None:
     reader = _READERS.get(path.suffix.lower())
     try:
         return reader(path) if reader else None
-    except (ConfigError, ImportError, OSError, ValueError, KeyError, TypeError, AttributeError):
+    except Exception:  # whatever a reader says: it is no such result
         return None
 
 
@@ -104,10 +104,9 @@ def _policy_in(path: Path) -> Result:
 
 
 def _onnx_in(path: Path) -> Result:
-    import onnx
+    from ship_gym_agents.policies.onnx_export import exported_card
 
-    properties = {one.key: one.value for one in onnx.load(path).metadata_props}
-    return policy(json.loads(properties["card"]) | {"name": properties["ship_gym_policy"]})
+    return policy(exported_card(path))
 
 
 def _gains_in(path: Path) -> Result:

@@ -32,13 +32,14 @@ class Number(click.ParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The number of a text."""
         option = param.opts[0] if param else "value"
+        told = f"{option} = {_short(str(value))}"
         try:
             number = self.kind(value)
         except ValueError:
-            raise click.UsageError(f"{option} = {value}: must be a {self._what()}", ctx) from None
+            raise click.UsageError(f"{told}: must be a {self._what()}", ctx) from None
         finite = self.kind is int or math.isfinite(number)  # 10**400 is no float
         if not (finite and self.low <= number <= self.high):
-            raise click.UsageError(f"{option} = {value}: allowed is {self._range()}", ctx)
+            raise click.UsageError(f"{told}: allowed is {self._range()}", ctx)
         return number
 
     def _what(self) -> str:
@@ -49,6 +50,10 @@ class Number(click.ParamType):
             return f"a finite number [{self.unit}]"
         unit = "" if self.unit == "-" else f" [{self.unit}]"
         return f"{self.low:.10g} to {self.high:.10g}{unit}"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 60 else f"{text[:40]} ... {text[-10:]}"
 
 
 def whole(low: int, high: int) -> Number:
@@ -73,7 +78,7 @@ class OutFile(click.ParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path of a text."""
         path, option = Path(value), param.opts[0] if param else "file"
-        if value == "" or isinstance(value, Path):  # an option without its value, or a default
+        if isinstance(value, Path) or _alone(value, param, ctx):  # Path: a default
             return path
         if path.suffix.lower() != self.suffix:
             raise click.UsageError(f"{option} {path}: allowed is a {self.suffix} file", ctx)
@@ -96,11 +101,18 @@ class OutFolder(click.ParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path of a text."""
         path, option = Path(value), param.opts[0] if param else "folder"
-        return path if value == "" else _tried(path, option, ctx, folder=True)
+        return path if _alone(value, param, ctx) else _tried(path, option, ctx, folder=True)
 
     def shell_complete(self, ctx, param, incomplete: str) -> list[CompletionItem]:
         """Folders of the shell."""
         return [CompletionItem(incomplete, type="dir")]
+
+
+def _alone(value: Any, param: click.Parameter | None, ctx: click.Context | None) -> bool:
+    """Whether an option stands without its value; refused where it needs one."""
+    if value == "" and param is not None and not getattr(param, "alone", False):
+        raise click.UsageError(f"{param.opts[0]}: needs a name", ctx)
+    return value == ""
 
 
 def _tried(path: Path, option: str, ctx: click.Context | None, folder: bool = False) -> Path:

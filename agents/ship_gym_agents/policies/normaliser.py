@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from ship_gym.config import LARGEST, ConfigError
+from ship_gym.config import LARGEST, SMALLEST, ConfigError
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -43,8 +43,12 @@ class Normaliser:
             raise ConfigError("normaliser: a number is not finite")
         if np.any(self.scale <= 0.0) or self.limit <= 0.0:
             raise ConfigError("normaliser: scales and limit must be positive")
-        if max(np.abs(self.mean).max(initial=0.0), self.limit) > LARGEST:
-            raise ConfigError(f"normaliser: means and limit are at most {LARGEST:g}")
+        sizes = np.concatenate([np.abs(self.mean), self.scale, [self.limit]])
+        if sizes.max() > LARGEST or self.scale.min(initial=1.0) < SMALLEST:
+            raise ConfigError(
+                f"normaliser: means, scales and limit are at most {LARGEST:g}, scales at least "
+                f"{SMALLEST:g}"
+            )
 
     def __call__(self, features: np.ndarray) -> np.ndarray:
         """Scaled features, shape (count, n_features)."""

@@ -37,6 +37,12 @@ def export_onnx(policy: Policy, path: str | Path) -> None:
         temporary.write_bytes(model.SerializeToString())
 
 
+def exported_card(path: str | Path) -> dict[str, Any]:
+    """Card of the policy that a model was made of; whatever is wrong with the file is raised."""
+    found = {one.key: one.value for one in _onnx().load(str(path)).metadata_props}
+    return json.loads(found["card"])
+
+
 def onnx_model(policy: Policy) -> Any:
     """The checked ``onnx.ModelProto`` of a policy."""
     onnx = _onnx()

@@ -23,16 +23,16 @@ from typing import Any
 import numpy as np
 from safetensors.numpy import load, save
 
-from ship_gym.config import ConfigError, shown
+from ship_gym.config import ConfigError, shown, told_of
 from ship_gym.provenance import atomic_path
 from ship_gym.reading import read_as, read_bytes
 from ship_gym_agents.forms.form import form_from
-from ship_gym_agents.gains_files import kind_of
-from ship_gym_agents.plugins import is_own
+from ship_gym_agents.plugins import check_no_code
 from ship_gym_agents.policies.cards import checked_card
-from ship_gym_agents.policies.networks import check_reach, network_from
+from ship_gym_agents.policies.networks import network_from
 from ship_gym_agents.policies.normaliser import Normaliser
 from ship_gym_agents.policies.policy import Policy
+from ship_gym_agents.policies.reach import check_reach
 
 POLICY_FILE = "policy.safetensors"
 FORMAT = 2
@@ -79,22 +79,20 @@ def load_policy(path: str | Path) -> Policy:
     """
     file = policy_path(path)
     data = read_bytes(file)
-    try:
-        with read_as(file, "a policy"):
-            tensors = load(data)
-            head = _head(data, file)
-            if _digest(head["card"], tensors) != head["digest"]:
-                raise ValueError("its digest is not that of what it holds")
-            card = checked_card(head["card"])
-            normaliser = Normaliser(
-                tensors["mean"], tensors["scale"], float(card["normaliser"]["limit"])
-            )
-            network = network_from(card["network"], tensors)
-            check_reach(network, normaliser.limit)
-            made = Policy(form_from(card["form"]), normaliser, network, card)
-    except ConfigError as error:
-        raise ConfigError(str(error) if str(file) in str(error) else f"{file}: {error}") from None
-    check_base(made.form.base, file)
+    with told_of(file), read_as(file, "a policy"):
+        tensors = load(data)
+        head = _head(data, file)
+        if _digest(head["card"], tensors) != head["digest"]:
+            raise ValueError("its digest is not that of what it holds")
+        card = checked_card(head["card"])
+        normaliser = Normaliser(
+            tensors["mean"], tensors["scale"], float(card["normaliser"]["limit"])
+        )
+        network = network_from(card["network"], tensors)
+        check_reach(network, normaliser.limit)
+        made = Policy(form_from(card["form"]), normaliser, network, card)
+    instead = "make the controller in Python: Policy(form, normaliser, network, card)"
+    check_no_code(made.form.base, file, instead)
     made.file = file
     return made
 
@@ -109,10 +107,8 @@ def read_card(path: str | Path) -> dict[str, Any]:
     """
     file = policy_path(path)
     head = _head(read_bytes(file), file)
-    try:
+    with told_of(file):
         return checked_card(head.get("card"))
-    except ConfigError as error:
-        raise ConfigError(f"{file}: {error}") from None
 
 
 def policy_path(path: str | Path) -> Path:
@@ -185,16 +181,6 @@ def _parts(card: str, tensors: Mapping[str, np.ndarray]) -> Iterator[bytes]:
         array = tensors[name]
         yield f"{name} {array.dtype.str} {array.shape}".encode()
         yield array.tobytes()
-
-
-def check_base(base: str, file: Path) -> None:
-    """Refuse an autopilot that is a Python file: what a card names must not be run."""
-    kind = kind_of(base) if base.endswith(".toml") and Path(base).is_file() else base
-    if any(is_own(part) for part in (kind, kind.rpartition("@")[0])):
-        raise ConfigError(
-            f"{file}: steers by {base}, which is Python code of its own, not run for a file; make "
-            "the controller in Python: Policy(form, normaliser, network, card)"
-        )
 
 
 def _zip_in_words(file: Path) -> str:

@@ -74,7 +74,7 @@ def load_checkpoint(model: BaseAlgorithm, folder: Path) -> dict[str, Any]:
         as a pickle, which is not read.
     """
     file = folder / _MODEL
-    found, state = _members(file)
+    found, state = read_model(file)
     variables = found.pop(_VARIABLES, None) or {}
     _check_finite({**found, _VARIABLES: variables}, file)
     _check_state(state, model, file)
@@ -95,8 +95,14 @@ def load_checkpoint(model: BaseAlgorithm, folder: Path) -> dict[str, Any]:
     return state
 
 
-def _members(file: Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Plain tensors of the parts of a model by their names, and the state."""
+def read_model(file: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Plain tensors of the parts of a model by their names, and the state; nothing is checked.
+
+    Raises
+    ------
+    ConfigError
+        Not such a file, damaged, or with anything else than numbers in it, which is not read.
+    """
     data = read_bytes(file, _MOST)
     with read_as(file, "a checkpoint of this run"), zipfile.ZipFile(io.BytesIO(data)) as archive:
         check_unpacked(archive, _MOST)

@@ -17,6 +17,7 @@ from ship_gym.reading import read_toml
 from ship_gym.scenarios.scenario import Scenario, load_scenario
 from ship_gym.ships.loader import load_ship
 from ship_gym_agents.forms.helm import Helm
+from ship_gym_agents.plugins import check_no_code
 from ship_gym_agents.sb3.options import OPTIONS
 from ship_gym_agents.sb3.run_card import CARD_FILE, read_run_card
 from ship_gym_agents.sb3.sections import (
@@ -196,13 +197,17 @@ def load_recipe(name_or_path: str | Path) -> dict[str, Any]:
 
 
 def load_config(out: str | Path) -> RunConfig:
-    """Config of the run in a folder, from its card."""
+    """Config of the run in a folder, from its card; one that steers by Python is refused.
+
+    Who trains by an autopilot of one's own names it; a card, which may be anybody's, does not.
+    """
     file = Path(out) / CARD_FILE
     config = Keys(read_card(Path(out)), str(file)).table("config")
     algorithm, sections = config.text("algorithm"), config.table("hyperparameters").values
     with told_of(file):
         scenario = load_scenario(config.table("scenario").values)
         hyper = load_hyperparameters(algorithm, sections)
+    check_no_code(hyper.form.base, file, "train anew, into another folder")
     values = {**config.values, "scenario": scenario, "hyperparameters": hyper}
     return build(RunConfig, values, str(file))
 

@@ -4,6 +4,10 @@ A thread would not do: a batch of ships is many short operations under the lock,
 the learner would wait, and so the other way round. The process keeps nothing: it gets the policy
 with each rollout and gives it back, and may die at any time. It ends when its input does, so that
 it outlives nobody. It runs no main module of anybody: scripts need no guard.
+
+Both speak in pickles, which run what they say. They go through the two pipes that the run made for
+this child of its own program: no name in the file system and no address leads to them, so nobody
+can write there who could not already write into the memory of the run.
 """
 
 from __future__ import annotations
@@ -32,7 +36,7 @@ class LearnerProcess:
     def __enter__(self) -> LearnerProcess:
         path = os.pathsep.join(folder for folder in sys.path if folder)
         self._process = subprocess.Popen(
-            [sys.executable, "-m", __name__],
+            [sys.executable, "-P", "-m", __name__],  # -P: no module of the folder it stands in
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env={**os.environ, "PYTHONPATH": path},

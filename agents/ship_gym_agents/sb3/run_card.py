@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from ship_gym.config import ConfigError, shown
 from ship_gym.keys import Keys, read_keys
 
 CARD_FILE = "card.json"
@@ -59,13 +60,16 @@ def read_run_state(file: str | Path) -> dict[str, Any]:
 
 
 def _check_validations(card: Keys) -> None:
-    card.numbers("validation_seeds", 0, 2**32 - 1, instead=None)
+    seeds = card.numbers("validation_seeds", 0, 2**32 - 1, instead=[])
+    if len(seeds) not in (0, 2):
+        raise ConfigError(f"{card.label('validation_seeds')} = {shown(seeds)}: must be two numbers")
     if "measure" in card.values:
         card.table("measure").text("name")
         card.table("measure").text("unit")
     for number, one in enumerate(card.items("validations", [])):
         _check_validation(Keys(one, card.where, f"validations[{number}]"))
-    if card.value("best", None) is not None:
+    one_seed = card.value("seeds", None) is None
+    if card.value("best", None) is not None or (one_seed and card.text("status") == "complete"):
         _check_validation(card.table("best"))
 
 

@@ -11,7 +11,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, build, check_known, check_number, merged, nearest, shown
+from ship_gym.config import (
+    ConfigError,
+    build,
+    check_known,
+    check_number,
+    merged,
+    nearest,
+    shown,
+    told_of,
+)
 from ship_gym.reading import read_toml
 from ship_gym_agents.forms.form import Form
 from ship_gym_agents.sb3.options import (
@@ -235,7 +244,8 @@ def _hyperparameters(algorithm: str, values: Mapping[str, Any], where: str) -> H
         made["price"]["limit"] = f"{limit:g}"
     made["algorithm"] = build(OPTIONS[algorithm], made["algorithm"], f"{where}: algorithm")
     hyper = build(Hyperparameters, made, where)
-    _check_together(algorithm, hyper)
+    with told_of(where):
+        _check_together(algorithm, hyper)
     return hyper
 
 

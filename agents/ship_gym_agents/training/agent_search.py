@@ -17,8 +17,9 @@ from ship_gym.config import ConfigError
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.evaluation.engines import Work, engine_of
 from ship_gym.evaluation.splits import tuning_seeds
-from ship_gym.keys import read_keys
+from ship_gym.keys import Keys, read_keys
 from ship_gym.provenance import atomic_path, provenance
+from ship_gym.reading import read_as
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training.run import Report
 from ship_gym_agents.training.score import score_of, validate
@@ -145,16 +146,19 @@ def _study(plan: Plan, out: Path, number: int) -> Any:
         "hyperband": optuna.pruners.HyperbandPruner(1, validations, 3),
         "none": optuna.pruners.NopPruner(),
     }[plan.pruner]
-    return optuna.create_study(
-        study_name=_NAME,
-        storage=optuna.storages.JournalStorage(journal),
-        sampler=optuna.samplers.TPESampler(
-            n_startup_trials=_STARTUP, seed=(1 + config.seed) * 100_003 + number
-        ),
-        pruner=pruner,
-        direction="maximize" if score_of(config.scenario).better == "higher" else "minimize",
-        load_if_exists=True,
+    sampler = optuna.samplers.TPESampler(
+        n_startup_trials=_STARTUP, seed=(1 + config.seed) * 100_003 + number
     )
+    direction = "maximize" if score_of(config.scenario).better == "higher" else "minimize"
+    with read_as(out / JOURNAL, "the journal of a search"):
+        return optuna.create_study(
+            study_name=_NAME,
+            storage=optuna.storages.JournalStorage(journal),
+            sampler=sampler,
+            pruner=pruner,
+            direction=direction,
+            load_if_exists=True,
+        )
 
 
 def _clean(study: Any, plan: Plan) -> None:
@@ -180,16 +184,16 @@ def _ended(study: Any, numbers: slice = slice(None)) -> list[Trial]:
     states = {TrialState.COMPLETE: "complete", TrialState.PRUNED: "pruned"}
     found = []
     for trial in study.get_trials(deepcopy=False)[numbers]:
-        own = trial.user_attrs
+        own = Keys(trial.user_attrs, JOURNAL, f"trial {trial.number}")
         if trial.state in states:
             shown = list(trial.intermediate_values.values())
             score = trial.value if trial.state is TrialState.COMPLETE else (shown or [None])[-1]
-            each, means = own.get("each", []), own.get("means", {})
-            state = states[trial.state]
-            found.append(Trial(trial.number, state, own["settings"], score, each, means))
-        elif "refused" in own:
-            note = own["refused"]
-            found.append(Trial(trial.number, "refused", own["settings"], None, [], {}, note))
+            each, means = own.items("each", []), dict(own.table("means", {}).values)
+            settings = dict(own.table("settings").values)
+            found.append(Trial(trial.number, states[trial.state], settings, score, each, means))
+        elif note := own.text("refused", ""):
+            settings = dict(own.table("settings").values)
+            found.append(Trial(trial.number, "refused", settings, None, [], {}, note))
     return found
 
 

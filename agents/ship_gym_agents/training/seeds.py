@@ -23,7 +23,7 @@ from ship_gym.provenance import atomic_path, provenance
 from ship_gym_agents.policies.policy_file import POLICY_FILE
 from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, check_free, is_config_of, plain
 from ship_gym_agents.training.budget import Budget
-from ship_gym_agents.training.curves import draw_curves
+from ship_gym_agents.training.curves import draw_curves, is_stale
 from ship_gym_agents.training.run import status_of
 from ship_gym_agents.training.run_folder import TrainingFolder
 from ship_gym_agents.training.score import Score, score_of
@@ -189,6 +189,8 @@ def _one(config: RunConfig, out: Path, options: dict[str, Any], bar: Any) -> dic
         card = folder.card()
     same = {key: options[key] for key in ("minutes", "steps")}
     if card is not None and card["status"] == "complete" and card["budget"] == same:
+        if is_stale(out):  # killed while its picture was drawn
+            draw_curves(out)
         return card
     return train(config, out, resume=True, bar=bar, **options)
 
@@ -246,7 +248,7 @@ def summarised(cards: Sequence[dict[str, Any]], score: Score) -> dict[str, Any]:
     ]
     order: Callable[[dict[str, Any]], Any] = score.key
     ranked = sorted(runs, key=order)
-    known = [run[score.name] for run in runs if run[score.name] is not None]
+    known = [value for run in runs if (value := run.get(score.name)) is not None]
     return {
         "score": score.text,
         "runs": runs,

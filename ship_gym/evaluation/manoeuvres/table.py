@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError
-from ship_gym.evaluation.episodes_table import arrow
+from ship_gym.evaluation.episodes_table import arrow, read_parquet
 from ship_gym.evaluation.manoeuvres.definition import CALM
 from ship_gym.evaluation.manoeuvres.sailing import Sailed
 from ship_gym.provenance import atomic_path
@@ -137,16 +137,15 @@ def read_manoeuvres(path: str | Path) -> tuple[list[dict[str, Any]], dict[str, A
     ConfigError
         No such file, not a parquet file, or not of manoeuvres.
     """
-    pa, parquet = arrow()
     if not Path(path).is_file():
         raise ConfigError(
             f"{path}: no such file; it is made by: ship-gym benchmark --suite manoeuvres"
         )
-    try:
-        table = parquet.read_table(path)
-    except (pa.ArrowException, OSError) as error:
-        raise ConfigError(f"{path}: not a parquet file, or damaged: {error}") from None
-    about = (table.schema.metadata or {}).get(_ABOUT)
-    if about is None or table.column_names != list(COLUMNS):
+    table, about = read_parquet(path, _ABOUT, "manoeuvres")
+    if table.column_names != list(COLUMNS):
         raise ConfigError(f"{path}: a parquet file, but not of this version's manoeuvres")
-    return table.to_pylist(), json.loads(about)
+    for name, kind in COLUMNS.items():
+        found = str(table.schema.field(name).type).replace("double", _NUMBER)
+        if found != kind:
+            raise ConfigError(f"{path}: column {name!r} is of type {found}, must be {kind}")
+    return table.to_pylist(), about

@@ -258,7 +258,3 @@ def _chunks(file: str | os.PathLike, path: str | os.PathLike) -> list[Chunk]:
             return RrdReader(file).stream().to_chunks()
         except (RuntimeError, ValueError, OSError) as error:
             raise DamagedRecording(f"{path} is not a readable .rrd file: {error}") from error
-        except BaseException as error:
-            if type(error).__name__ != "PanicException":  # of Rust; it is no Exception
-                raise
-            raise DamagedRecording(f"{path} is not a readable .rrd file: {error}") from None

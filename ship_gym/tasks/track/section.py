@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import ClassVar
 
-from ship_gym.config import ConfigError, check_fields, check_known
+from ship_gym.config import ConfigError, check_fields, check_known, shown
 from ship_gym.tasks import base
 from ship_gym.tracks.generator import MARGIN
 from ship_gym.tracks.shapes import SHAPES
@@ -73,8 +73,8 @@ class TrackRange:
         given = bool(self.points) + bool(self.file)
         if given != (self.kind == "points"):
             raise ConfigError(
-                f"track.kind = {self.kind!r} with {len(self.points)} points and file = "
-                f"{self.file!r}: kind = 'points' needs either points or a file, others neither"
+                f"track.kind = {shown(self.kind)} with {len(self.points)} points and file = "
+                f"{shown(self.file)}: kind = 'points' needs either points or a file, others neither"
             )
 
 

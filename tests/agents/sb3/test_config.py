@@ -171,7 +171,7 @@ def test_gauss_newton_needs_a_base():
 
 def test_keys_that_are_newer_than_a_run_are_the_default(tmp_path):
     config = run_config()
-    card = {"config": plain(config)}
+    card = {"status": "running", "config": plain(config), "budget": {"minutes": 1.0}}
     del card["config"]["hyperparameters"]["form"]["lags"]
     (tmp_path / "card.json").write_text(json.dumps(card))
     assert is_config_of(tmp_path, config)

@@ -30,6 +30,17 @@ RANGES = {
 BEST = 2e-3
 
 
+def test_a_killed_search_leaves_a_journal_that_can_be_read(tmp_path):
+    file = tmp_path / "trials.log"
+    agent_search._mend_journal(file)
+    file.write_bytes(b'{"op_code": 0}\n{"op_co')
+    (tmp_path / "trials.log.lock").symlink_to(file)
+    agent_search._mend_journal(file)
+    assert file.read_bytes() == b'{"op_code": 0}\n' and os.listdir(tmp_path) == ["trials.log"]
+    agent_search._mend_journal(file)
+    assert file.read_bytes() == b'{"op_code": 0}\n'
+
+
 def plan_of(trials, **more):
     return Plan({"algorithm": "ppo", "seed": 3}, RANGES, trials, steps=100, episodes=6, **more)
 

@@ -9,33 +9,62 @@ from ship_gym_agents.training.run_folder import TrainingFolder
 
 from ship_gym.config import ConfigError
 
+VALIDATION = {"samples": 1, "success": 1.0, "return": -1.0, "rudder_travel": 5.0}
+STATE = {
+    "samples": 1,
+    "seconds": 1.0,
+    "episodes": 16,
+    "limit": None,
+    "validated": 0.5,
+    "validations": [VALIDATION],
+}
+CARD = {
+    "status": "running",
+    "config": {
+        "algorithm": "ppo",
+        "scenario": {"task": "heading_keeping", "ship": "kcs"},
+        "seed": 0,
+        "hyperparameters": {},
+    },
+    "budget": {"minutes": None, "steps": 10},
+    "validations": [VALIDATION],
+    "best": VALIDATION,
+}
+
+
+def state(samples):
+    return {**STATE, "samples": samples}
+
 
 def test_a_checkpoint_counts_when_it_is_complete(tmp_path):
     folder = TrainingFolder(tmp_path / "run")
     assert folder.card() is None and folder.checkpoint() is None and folder.state() is None
     for samples in (1, 2):
-        with folder.new_checkpoint({"samples": samples}) as place:
+        with folder.new_checkpoint(state(samples)) as place:
             (place / "model").write_text(str(samples))
-    with pytest.raises(RuntimeError), folder.new_checkpoint({"samples": 3}) as place:
+    with pytest.raises(RuntimeError), folder.new_checkpoint(state(3)) as place:
         (place / "model").write_text("half")
         raise RuntimeError("killed")
-    assert folder.state() == {"samples": 2}
+    assert folder.state() == state(2)
     assert (folder.checkpoint() / "model").read_text() == "2"
-    with folder.new_checkpoint({"samples": 3}) as place:
+    with folder.new_checkpoint(state(3)) as place:
         assert not list(place.iterdir()), "what was left half is gone"
-    assert folder.state() == {"samples": 3}
+    assert folder.state() == state(3)
     assert len(list((tmp_path / "run" / "checkpoint").iterdir())) == 1, "older ones are gone"
 
 
 def generation(folder, policy, **card):
-    with folder.new_checkpoint({}, {"validations": [{"samples": 1}], **card}) as place:
+    with folder.new_checkpoint(STATE, {**CARD, **card}) as place:
         (place / "policy.safetensors").write_text(policy)
 
 
 def test_card_and_policy_change_with_the_checkpoint_and_not_before(tmp_path):
     folder = TrainingFolder(tmp_path)
     generation(folder, "first", status="running")
-    with pytest.raises(RuntimeError), folder.new_checkpoint({}, {"status": "lost"}) as place:
+    with (
+        pytest.raises(RuntimeError),
+        folder.new_checkpoint(STATE, {**CARD, "status": "stopped"}) as place,
+    ):
         (place / "policy.safetensors").write_text("of a checkpoint that never was")
         raise RuntimeError("killed")
     with folder.locked():  # as at the next start
@@ -58,9 +87,9 @@ def test_a_kill_before_the_copies_were_made_is_mended_at_the_next_start(tmp_path
         assert sorted(p.name for p in (tmp_path / "checkpoint").iterdir()) == ["000002"]
         names = sorted(p.name for p in tmp_path.iterdir())
         assert names == ["card.json", "checkpoint", "curve.csv", "lock", "policy.safetensors"]
-        folder.write_card({"status": "goes on"})
+        folder.write_card({**CARD, "status": "stopped"})
     with folder.locked():
-        assert folder.card()["status"] == "goes on", "what was said after it stays"
+        assert folder.card()["status"] == "stopped", "what was said after it stays"
 
 
 def test_one_of_several_seeds_is_named_with_its_run(tmp_path):
@@ -96,10 +125,10 @@ def test_a_damaged_card_is_one_clear_line(tmp_path):
 
 def test_clearing_removes_what_a_run_wrote_and_nothing_else(tmp_path):
     folder = TrainingFolder(tmp_path)
-    with folder.new_checkpoint({}):
+    with folder.new_checkpoint(STATE):
         pass
     for name in ("policy.safetensors", "curve.csv", "notes.txt"):
         (tmp_path / name).write_text("x")
-    folder.write_card({"status": "running"})
+    folder.write_card(CARD)
     folder.clear()
     assert sorted(p.name for p in tmp_path.iterdir()) == ["card.json", "notes.txt"]

@@ -1,0 +1,147 @@
+"""Results of other runs are kept unless --force is given; two at once are not let in."""
+
+import os
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from ship_gym_agents.cli import replace
+from ship_gym_agents.cli.replace import check_replaced
+from ship_gym_agents.controllers import shipped_file
+from ship_gym_agents.gains_files import gains_path
+
+from ship_gym.config import ConfigError
+from ship_gym.evaluation.run_folder import RunFolder
+from ship_gym.provenance import held, locked
+from ship_gym.recording import Trajectory
+from ship_gym.ships.files import DATA
+
+EPISODE = {"controller": "pid", "seed": 3, "config": {"ship": "kcs", "duration": 60.0}}
+
+
+def history(path):
+    run = Trajectory({"t": np.arange(3.0), "x": np.zeros(3)}, EPISODE)
+    run.to_csv(path) if path.suffix == ".csv" else run.to_rrd(path, picture=False)
+
+
+def made(name, tmp_path):
+    """A result of Ship Gym in a file of this name, and what it is."""
+    path = tmp_path / name
+    if path.suffix == ".toml":
+        shutil.copyfile(gains_path("kcs"), path)
+        return path, replace.gains("pid", "kcs", None)
+    if path.suffix == ".safetensors":
+        shutil.copyfile(shipped_file("ppo_kcs"), path)
+        return path, replace.result_in(Path(shipped_file("ppo_kcs")))
+    if path.suffix == ".npz":
+        shutil.copyfile(next((DATA / "kcs_model").glob("surrogate_*.npz")), path)
+        return path, replace.surrogate("kcs", "kcs_model")
+    if path.suffix == ".json":
+        path.write_text('{"controllers": {}, "differences": {}}')
+        return path, replace.EVALUATION
+    if path.suffix == ".rrd":
+        pytest.importorskip("rerun")
+    history(path)
+    return path, replace.recording("pid", 3, EPISODE["config"])
+
+
+OTHERS = {
+    ".toml": replace.gains("pid", "kvlcc2", None),
+    ".safetensors": replace.policy({"name": "another"}),
+    ".npz": replace.wave_table("kcs_model"),
+    ".json": replace.BOUND,
+    ".rrd": replace.recording("pid", 4, EPISODE["config"]),
+    ".csv": replace.recording("pid", 3, EPISODE["config"] | {"duration": 90.0}),
+}
+
+
+GAUSS_NEWTON = "--algo gauss_newton --set form.base=pid"
+
+
+def slowly(*values):
+    """Parameters of a test that loads much."""
+    return pytest.param(*values, marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize("suffix", OTHERS)
+def test_the_same_is_replaced_and_anything_else_is_kept(tmp_path, suffix):
+    path, same = made(f"x{suffix}", tmp_path)
+    check_replaced(path, same, force=False)
+    with pytest.raises(ConfigError, match=rf"^--to {path}: holds {same.words}, not .*--force$"):
+        check_replaced(path, OTHERS[suffix], False, "--to")
+    check_replaced(path, OTHERS[suffix], force=True)
+    for mine in (b"a user's own", b"\x00\x01", b"t,x\n0,1\n", b"[1]", b'name = "ship"\n'):
+        path.write_bytes(mine)
+        with pytest.raises(ConfigError, match=r"holds no such result"):
+            check_replaced(path, same, force=False)
+    path.write_bytes(b"")
+    check_replaced(path, same, force=False)
+    check_replaced(tmp_path / f"new{suffix}", same, force=False)
+    check_replaced(None, same, force=False)
+
+
+def test_a_policy_of_another_run_is_kept(cli, tmp_path):
+    export = ("--to", "safetensors", "--out", "mine.safetensors")
+    for again in range(2):
+        assert cli("export", "ppo_kcs", *export)[0] == 0, f"time {again}"
+    before = (tmp_path / "mine.safetensors").read_bytes()
+    code, out, err = cli("export", "heading_kcs", *export)
+    assert (code, out, err.count("\n")) == (2, "", 1) and "--force" in err
+    assert (tmp_path / "mine.safetensors").read_bytes() == before
+    assert cli("export", "heading_kcs", *export, "--force")[0] == 0
+    assert (tmp_path / "mine.safetensors").read_bytes() != before
+
+
+def test_an_exported_model_is_known_by_its_policy(cli, tmp_path):
+    pytest.importorskip("onnx")
+    assert cli("export", "ppo_kcs", "--out", "x.onnx")[0] == 0
+    assert cli("export", "ppo_kcs", "--out", "x.onnx")[0] == 0, "the same again"
+    assert "--force" in cli("export", "heading_kcs", "--out", "x.onnx")[2]
+    (tmp_path / "x.onnx").write_bytes(b"\xff\x01")
+    assert "holds no such result" in cli("export", "ppo_kcs", "--out", "x.onnx")[2]
+
+
+@pytest.mark.parametrize(
+    ("words", "of_another"),
+    [
+        ("tune --ship kcs --out mine.toml", b'title = "my ship"\n'),
+        ("bound --out mine.json", b'{"my": 1}'),
+        ("evaluate --out mine.json", b'{"my": 1}'),
+        ("record --out mine.csv", b"t,heading\n"),
+        ("simulate turning --csv mine.csv", b"t,heading\n"),
+        ("fit-surrogate --out mine.npz", b"PK"),
+        ("build-wave-table --out mine.npz", b"PK"),
+    ],
+)
+def test_a_file_of_the_user_is_kept_before_any_work(cli, tmp_path, words, of_another):
+    needed = {"tune": "optuna", "build-wave-table": "capytaine"}
+    pytest.importorskip(needed.get(words.split()[0], "numpy"))
+    file = tmp_path / words.split()[-1]
+    file.write_bytes(of_another)
+    code, out, err = cli(*words.split())
+    assert (code, out, err.count("\n")) == (2, "", 1) and "--force" in err, err
+    assert file.read_bytes() == of_another and os.listdir(tmp_path) == [file.name]
+
+
+@pytest.mark.parametrize(
+    ("words", "library", "lock"),
+    [
+        ("tune --ship kcs --out x.toml", "optuna", lambda: held("x.toml", "works")),
+        ("bound --out x.json", "numpy", lambda: held("x.json", "works")),
+        ("fit-surrogate --out x.npz", "numpy", lambda: held("x.npz", "works")),
+        ("build-wave-table --quick --out x.npz", "capytaine", lambda: held("x.npz", "works")),
+        ("benchmark --suite manoeuvres --out x", "pyarrow", lambda: RunFolder("x").locked()),
+        slowly("benchmark --suite heading --out x", "pyarrow", lambda: RunFolder("x").locked()),
+        (f"train {GAUSS_NEWTON} --out x", "numpy", lambda: locked("x/lock", "trains")),
+        slowly("tune-agent --out x", "optuna", lambda: locked("x/lock", "searches")),
+    ],
+)
+def test_a_second_process_is_refused_at_once(cli, words, library, lock):
+    pytest.importorskip(library)
+    if "tune-agent" in words:
+        pytest.importorskip("stable_baselines3")
+    with lock():
+        code, out, err = cli(*words.split())
+    last = err.strip().splitlines()[-1]
+    assert (code, out) == (2, "") and f"another process (pid {os.getpid()})" in last, err
