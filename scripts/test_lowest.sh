@@ -63,8 +63,8 @@ PY="$work/venv/bin/python" # of _setup.sh, for pip_install
 started=$SECONDS
 cd "$ROOT"
 
-mapfile -t pins < <("$python" scripts/_lowest.py ${extras[@]+"${extras[@]}"})
-[ ${#pins[@]} -gt 0 ] || die "no versions"
+lowest="$("$python" scripts/_lowest.py ${extras[@]+"${extras[@]}"})"
+read -ra pins <<<"${lowest//$'\n'/ }"
 vectors="$("$python" scripts/_lowest.py --only rl | grep '^gymnasium==')"
 say "Installing ${pins[*]} for $("$python" --version)"
 "$python" -m venv "$work/venv"
