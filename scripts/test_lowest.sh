@@ -13,7 +13,7 @@ pyproject.toml allows, and runs the tests in it that say most in little time: ph
 tracks, tasks, environments, evaluation and the command line. First the scalar environments with
 the lowest gymnasium, then everything with the lowest that has the native vector environment.
 
-  --extras NAMES   also the lowest versions of these extras, as in pip: rl,plot
+  --extras NAMES   extras whose lowest versions are there too, as in pip (default benchmark)
   -h, --help       this text
   Anything else goes to pytest: files named here are run instead of the usual ones.
 
@@ -22,17 +22,17 @@ default 2).
 
 Examples:
   bash scripts/test_lowest.sh
-  bash scripts/test_lowest.sh --extras plot tests/plotting
+  bash scripts/test_lowest.sh --extras fit,plot tests/plotting tests/surrogates/test_fit.py
 HELP
 }
 
-extras=()
+extras=(benchmark)
 arguments=()
 while [ $# -gt 0 ]; do
     case "$1" in
     -h | --help) usage && exit 0 ;;
     --extras)
-        [ $# -gt 1 ] || die "--extras needs names, such as rl,plot"
+        [ $# -gt 1 ] || die "--extras needs names, such as fit,plot"
         IFS=, read -ra extras <<<"$2"
         shift
         ;;
@@ -51,6 +51,7 @@ USUAL=(
     tests/ships/{test_loader,test_estimators,test_form,test_records,test_scaling}.py
     tests/tracks tests/tasks tests/scenarios
     tests/evaluation/{test_metrics,test_rollout,test_splits,test_statistics,test_suite}.py
+    tests/evaluation/{test_episodes_table,test_trajectory_table}.py tests/plotting/test_benchmark.py
     tests/test_{config,conventions,csv_file,import,simulation,tables}.py
 )
 
@@ -62,8 +63,8 @@ PY="$work/venv/bin/python" # of _setup.sh, for pip_install
 started=$SECONDS
 cd "$ROOT"
 
-mapfile -t pins < <("$python" scripts/_lowest.py ${extras[@]+"${extras[@]}"})
-[ ${#pins[@]} -gt 0 ] || die "no versions"
+lowest="$("$python" scripts/_lowest.py ${extras[@]+"${extras[@]}"})"
+read -ra pins <<<"${lowest//$'\n'/ }"
 vectors="$("$python" scripts/_lowest.py --only rl | grep '^gymnasium==')"
 say "Installing ${pins[*]} for $("$python" --version)"
 "$python" -m venv "$work/venv"
@@ -87,5 +88,5 @@ say "The command line"
 "$work/venv/bin/ship-gym" list ships
 "$work/venv/bin/ship-gym" evaluate --controllers pid --episodes 2 --set duration=100 \
     --out "$work/evaluation.json"
-"$work/venv/bin/ship-gym" simulate turning --csv "$work/turn.csv"
+"$work/venv/bin/ship-gym" simulate turning --out "$work/turn.png" --csv "$work/turn.csv" >/dev/null
 say "The lowest versions pass: $((SECONDS - started)) s"
