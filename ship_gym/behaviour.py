@@ -13,6 +13,7 @@ the package, whose numbers are of tanks and trials, an unstable tanker among the
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import math
 from collections.abc import Callable, Iterator
@@ -23,6 +24,7 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.conventions import FORCE_COMPONENTS, PSI, N, R, U, V
 from ship_gym.ships.files import available_ships
+from ship_gym.ships.loader import available_variants, load_ship
 from ship_gym.ships.particulars import Ship
 
 _LONG, _SHORT = 16.0, 5.0  # of the runs and of what is asked early [L / U0]
@@ -79,7 +81,7 @@ def check_behaviour(ship: Ship, simulation: Callable[[Ship, int], Any]) -> None:
     Parameters
     ----------
     ship : Ship
-        One with the name of a ship of the package is not looked at: no file's ship has that.
+        One of the package, with its own numbers, is not looked at; one changed in Python is.
     simulation : callable
         Makes a ``ShipSim`` of n such ships that does not come here again.
 
@@ -88,15 +90,37 @@ def check_behaviour(ship: Ship, simulation: Callable[[Ship, int], Any]) -> None:
     ConfigError
         A line for each thing that is wrong, with the number that shows it.
     """
-    if ship.name in _of_the_package():
+    if _of_the_package(ship):
         return
     if lines := findings(ship.at_share(1.0), simulation):
         raise ConfigError("\n".join(f"{ship.name}: no ship does this: {line}" for line in lines))
 
 
+_NUMBERS = ("rho", "nu", "hull", "propeller", "rudder", "gear", "engine", "open_water", "surrogate")
+
+
 @functools.cache
-def _of_the_package() -> frozenset[str]:
+def _names() -> frozenset[str]:
     return frozenset(available_ships())
+
+
+def _of_the_package(ship: Ship) -> bool:
+    """Whether a ship is one of the package: by her numbers, since a changed one keeps her name."""
+    return ship.name in _names() and any(
+        math.isclose(ship.file_speed, known.file_speed, rel_tol=1e-12)
+        and all(getattr(ship, name) == getattr(known, name) for name in _NUMBERS)
+        for known in _published(ship.name, ship.surrogate_name)
+    )
+
+
+@functools.lru_cache(maxsize=64)
+def _published(name: str, surrogate: str) -> tuple[Ship, ...]:
+    """A ship of the package with one of her surrogates, and each hull of hers."""
+    found = []
+    for variant in (None, *available_variants(name)):
+        with contextlib.suppress(ConfigError):  # no such surrogate
+            found.append(load_ship(name, surrogate=surrogate, variant=variant))
+    return tuple(found)
 
 
 @functools.lru_cache(maxsize=64)

@@ -129,6 +129,22 @@ def test_nothing_sails_without(use):
         use(mine(KVLCC2, "hull", N_r=-HULL.N_r))
 
 
+def test_a_ship_of_the_package_that_was_changed_keeps_her_name_but_is_looked_at():
+    bow = dataclasses.replace(RUDDER, x_R=-RUDDER.x_R, x_H=-RUDDER.x_H)
+    with pytest.raises(ConfigError, match=r"kvlcc2_model: no ship does this: .* to the OTHER side"):
+        ShipSim(dataclasses.replace(KVLCC2, strict=False, rudder=bow))
+
+
+def test_every_ship_of_the_package_is_known_by_her_numbers():
+    for name in available_ships():
+        for variant in (None, *available_variants(name)):
+            for surrogate in available_surrogates(name)[:3]:
+                ship = load_ship(name, surrogate=surrogate, variant=variant)
+                assert behaviour._of_the_package(ship) and behaviour._of_the_package(
+                    ship.at_share(0.37)
+                )
+
+
 def test_equal_ships_are_looked_at_once(monkeypatch):
     made = []
 
