@@ -159,7 +159,7 @@ class Run:
         verdicts = [verdict for _, verdict in self.found.values()]
         by_format: dict[str, Counter] = defaultdict(Counter)
         for kind, verdict in self.found.values():
-            by_format[kind][verdict.outcome] += 1
+            by_format[kind]["known" if verdict.known else verdict.outcome] += 1
         self.data = {
             "seed": self.seed,
             "cases": sum(k >= 0 for k in self.found),
@@ -167,6 +167,7 @@ class Run:
             "outcomes": dict(Counter(v.outcome for v in verdicts).most_common()),
             "formats": {name: dict(counts) for name, counts in sorted(by_format.items())},
             "findings": [self._finding(*each) for each in self._kinds().items()],
+            "known": dict(Counter(f"{v.kind}: {v.known}" for v in verdicts if v.known)),
             "beside": dict(Counter(soft for v in verdicts for soft in v.soft).most_common(60)),
             "largest_memory_MB": round(max((v.memory for v in verdicts), default=0) / 2**20),
             "slowest_s": round(max((v.seconds for v in verdicts), default=0.0), 2),
@@ -208,6 +209,7 @@ class Run:
             f"{count} findings of {len(d['findings'])} kinds; largest memory "
             f"{d['largest_memory_MB']} MB, slowest case {d['slowest_s']} s"
         ]
+        lines += [f"known, {n} x {kind}" for kind, n in d["known"].items()]
         for each in d["findings"]:
             lines += ["", f"- {each['count']} x {each['kind']}  [{each['owner']}]"]
             lines += [f"    {each['format']} from {each['from']}, case {each['cases'][0]}"]

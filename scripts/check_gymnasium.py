@@ -60,8 +60,10 @@ before, plain = gym.make_vec, (gym.vector.SyncVectorEnv, gym.vector.AsyncVectorE
 
 def make_vec(id, num_envs=1, vectorization_mode=None, vector_kwargs=None, wrappers=None, **more):
     given = {"vectorization_mode": vectorization_mode, "vector_kwargs": vector_kwargs}
-    if str(id).startswith("ShipGym/") and vectorization_mode is not None and not wrappers:
-        given, more = {}, {**(vector_kwargs or {}), **more}
+    if str(id).startswith("ShipGym/"):  # infos: plain dicts, whose class Gymnasium compares
+        more = {"info": "flat", **more}
+        if vectorization_mode is not None and not wrappers:
+            given, more = {}, {**(vector_kwargs or {}), **more}
     gym.vector.SyncVectorEnv, gym.vector.AsyncVectorEnv = plain
     try:
         return before(id, num_envs, wrappers=wrappers, **given, **more)
@@ -77,6 +79,7 @@ def native(env_fns, autoreset_mode="NextStep", copy=True, **_):
         render_mode=made.render_mode,
         autoreset_mode=autoreset_mode,
         copy=copy,
+        info="flat",
     )
 
 

@@ -171,20 +171,25 @@ def _known(work: Any, folder: Path) -> Known:
 
 
 def _silently(run: Any) -> None:
-    """Run with stdout and stderr closed to it."""
+    """Run without a word, unless it is refused."""
     kept = os.dup(1), os.dup(2)
-    null = os.open(os.devnull, os.O_WRONLY)
-    sys.stdout.flush()
-    os.dup2(null, 1)
-    os.dup2(null, 2)
-    try:
-        run()
-    finally:
+    with tempfile.TemporaryFile("w+") as said:
         sys.stdout.flush()
-        os.dup2(kept[0], 1)
-        os.dup2(kept[1], 2)
-        for one in (null, *kept):
-            os.close(one)
+        os.dup2(said.fileno(), 1)
+        os.dup2(said.fileno(), 2)
+        try:
+            run()
+        except SystemExit:
+            sys.stderr.flush()
+            said.seek(0)
+            last = said.read().strip().splitlines()[-1:]
+            raise ChildProcessError(f"a run that is not killed is refused: {last}") from None
+        finally:
+            sys.stdout.flush()
+            os.dup2(kept[0], 1)
+            os.dup2(kept[1], 2)
+            os.close(kept[0])
+            os.close(kept[1])
 
 
 def _case_logged(name: str, work: Any, known: Known, args, folder: Path, number: int) -> None:

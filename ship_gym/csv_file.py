@@ -76,7 +76,11 @@ class CsvTable:
     def si(self, name: str) -> np.ndarray:
         """Values of a numeric column in SI (degrees become radians)."""
         self.require(name)
-        unit = self.units.get(name, "-")
+        if name not in self.units:
+            raise ConfigError(
+                f"{self.path}:{self.title_row}: column {name!r} has no unit, as in '{name} [-]'"
+            )
+        unit = self.units[name]
         if unit not in UNITS:
             raise ConfigError(f"{self.path}: column {shown(name)} has unknown unit [{unit}]")
         return self.columns[name] * UNITS[unit][0]

@@ -6,6 +6,7 @@ is listed here, so that a new reader is not forgotten.
 """
 
 import ast
+import functools
 import io
 import json
 import os
@@ -483,10 +484,14 @@ def test_no_payload_in_the_kernels_of_others_is_run(tmp_path):
 # --- the sources ---------------------------------------------------------------------------------
 
 
+@functools.cache
 def modules():
-    for package in PACKAGES:
-        for path in sorted(package.rglob("*.py")):
-            yield path.relative_to(package.parent).as_posix(), ast.parse(path.read_bytes())
+    """Name of each module and the calls in it, with the functions' dotted names."""
+    return [
+        (path.relative_to(package.parent).as_posix(), calls(ast.parse(path.read_bytes())))
+        for package in PACKAGES
+        for path in sorted(package.rglob("*.py"))
+    ]
 
 
 def dotted(node):
@@ -510,8 +515,8 @@ EVALUATES = {"ship_gym/gpu/rows.py", "ship_gym/physics/parameters.py"}
 
 def test_nothing_else_unpickles_or_evaluates():
     unpickles, evaluates = set(), set()
-    for name, tree in modules():
-        for called, node in calls(tree):
+    for name, called_there in modules():
+        for called, node in called_there:
             first, _, last = called.rpartition(".")
             if first in UNPICKLERS and last in ("load", "loads", "Unpickler", "open"):
                 unpickles.add(name)
@@ -614,8 +619,8 @@ READS = {
 
 def test_every_place_where_a_file_is_read_is_listed():
     found = set()
-    for name, tree in modules():
-        for called, _ in calls(tree):
+    for name, called_there in modules():
+        for called, _ in called_there:
             first, _, last = called.rpartition(".")
             if last in READING or (last in ("load", "read") and first in LIBRARIES):
                 found.add(name)

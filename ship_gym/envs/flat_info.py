@@ -45,5 +45,12 @@ def flat(info: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _array(value: Any) -> Any:
-    """The value itself if it is an array, else a numpy scalar."""
-    return value if isinstance(value, np.ndarray) else np.asarray(value)[()]
+    """The value itself if it is an array, else a numpy number.
+
+    True and False are arrays of no dimension: of numpy's own, Gymnasium's SyncVectorEnv would make
+    an array of objects.
+    """
+    if isinstance(value, np.ndarray):
+        return value
+    made = np.asarray(value)
+    return made if made.dtype == np.bool_ else made[()]

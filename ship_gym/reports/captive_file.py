@@ -75,9 +75,10 @@ def _measured(path: str | Path, line: int, row: Mapping[str, float], root: float
 def _own(path: str | Path, ship: Ship) -> tuple[float, list[tuple[int, dict[str, float]]]]:
     """Length of the model and rows of a file of our own form."""
     data = read_csv(path).require(*_NEEDED)
-    given = [name for name in data.columns if name in data.units]
+    known = (*_NEEDED, *_MOTIONS, *FORCES)
+    given = [name for name in data.columns if name in data.units or name in known]
     for name in given:
-        if name not in (*_NEEDED, *_MOTIONS, *FORCES):
+        if name not in known:
             allowed = ", ".join((*_NEEDED, *_MOTIONS))
             raise ConfigError(
                 f"{path}: unknown column {shown(name)}; allowed are {allowed}, X, Y_out, ..."

@@ -22,6 +22,7 @@ SOURCE = "MARIN, free-running model at 15.5 kn full scale, SIMMAN 2008"
 _COLUMNS = ("t [s]", "x [m]", "y [m]", "psi [deg]", "u [m/s]", "v [m/s]", "delta [deg]")
 _PREFIX = {"turning_circle": "turn", "zigzag": "zigzag"}
 _MOVED = 1.0  # deg of rudder that are no noise
+_LARGEST = 90.0  # deg of rudder
 
 
 @dataclasses.dataclass(frozen=True)
@@ -107,9 +108,16 @@ def read_history(path: Path, ship: Ship) -> History:
     moved = np.flatnonzero(np.abs(delta - delta[0]) > _MOVED)
     if len(moved) == 0 or moved[0] + 1 == len(t):
         raise ConfigError(f"{path}: the rudder does not move")
+    if (far := np.abs(delta) > _LARGEST).any():
+        i = int(far.argmax())
+        raise ConfigError(
+            f"{path}:{table.lines[i]}: {_COLUMNS[-1]} = {delta[i]:g}: allowed is -{_LARGEST:g} to "
+            f"{_LARGEST:g} [deg]"
+        )
     k = moved[0]
     rate = (delta[k + 1] - delta[k]) / (t[k + 1] - t[k])
-    order = t[k] - (delta[k] - delta[0]) / rate
+    # of a rudder that is over within one row, the row before
+    order = t[k] - (delta[k] - delta[0]) / rate if rate else t[k - 1]
     x, y = x - np.interp(order, t, x), y - np.interp(order, t, y)
     L, after = ship.full_length, t >= order
     speed = np.hypot(u, v)

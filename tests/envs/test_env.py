@@ -26,6 +26,7 @@ GOLDEN = Path(__file__).parents[1] / "golden"
 @pytest.mark.parametrize("control", CONTROLS)
 @pytest.mark.parametrize("ship", SHIPS)
 def test_check_env_is_silent(env_id, ship, control):
+    pytest.importorskip("PIL", reason="extra 'render' not installed")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         env = gym.make(env_id, ship=ship, control=control, render_mode="rgb_array").unwrapped

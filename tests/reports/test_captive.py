@@ -70,6 +70,7 @@ def test_without_a_file_there_is_nothing_beside():
     ("columns", "row", "words"),
     [
         ("n [rev/s],Y [-]", "9.9,0.1", "no column 'speed'"),
+        ("speed [m/s],n,Y [-]", "1.0,9.9,0.1", "own.csv:5: column 'n' has no unit"),
         ("speed [m/s],n [rev/s]", "1.0,9.9", "no column of a force"),
         ("speed [m/s],n [rev/s],Y_sin [-]", "1.0,9.9,0.1", "unknown column 'Y_sin'"),
         ("speed [m/s],n [rev/s],beta [-],Y [-]", "1.0,9.9,10,0.1", "own.csv:6: captive beta"),

@@ -58,6 +58,7 @@ def test_of_a_model_ship_the_same_in_lengths(file):
     [
         ("psi [deg]", "psi [rad]", "no column 'psi \\[deg\\]'"),
         ("8.5\n", "x\n", "delta .deg. = 'x' is not a number"),
+        ("0,0,8.5\n", "0,0,-2.8e18\n", ":18: delta .deg. = -2.8e.18: allowed is -90 to 90"),
     ],
 )
 def test_a_damaged_file_is_told(file, old, new, words):

@@ -202,3 +202,10 @@ def test_a_run_is_gone_on_with_after_a_kill(part, monkeypatch, tmp_path):
         assert second.report()["cases"] == first.left
     with pytest.raises(ConfigError, match="holds a run of seed 0, not 1"):
         report.Run(tmp_path, 1, 300, formats, resume=True)
+
+
+def test_a_known_kind_is_counted_and_no_finding(part):
+    verdict = part("judge").Verdict
+    place = "SIGABRT at ship_gym/recording/rerun_export/rrd_file.py258: _chunks"
+    assert not verdict("death", place).bad and "forged" in verdict("death", place).known
+    assert verdict("hang", place).bad and verdict("death", "SIGSEGV at rrd_file.py").bad

@@ -14,6 +14,7 @@ from ship_gym.sea.wind_coefficients import (
     ship_types,
     wind_table,
 )
+from ship_gym.ships.loader import load_ship
 
 BEAM = 32.2
 KCS = WindAreas(
@@ -143,9 +144,10 @@ def test_bad_input():
         blendermann(0.0, KCS, "container ship")
     with pytest.raises(ConfigError, match="did you mean 'isherwood'"):
         wind_table(KCS, CONTAINER, BEAM, "isherwod")
-    with pytest.raises(ConfigError, match=r"wind\.A_L = -1"):
-        dataclasses.replace(KCS, A_L=-1.0)
-    with pytest.raises(ConfigError, match=r"wind\.s_L"):
-        dataclasses.replace(KCS, s_L=200.0)
+    ship = load_ship("kcs")
+    for name, value in (("A_L", -1.0), ("s_L", 200.0)):  # areas are checked with their ship
+        areas = dataclasses.replace(ship.wind, **{name: value})
+        with pytest.raises(ConfigError, match=rf"wind\.{name} = {value:g}"):
+            load_ship(dataclasses.replace(ship, wind=areas))
     with pytest.raises(ConfigError, match=r"wind\.perimeter = 0"):
         isherwood(0.0, dataclasses.replace(KCS, perimeter=0.0), BEAM)

@@ -18,7 +18,6 @@ from ship_gym.config import ConfigError, check_known, shown
 ACTIVATIONS = {"tanh": np.tanh, "relu": lambda x: np.maximum(x, 0.0)}
 # How the last layer becomes a decision; argmax: its largest value names one of `levels`.
 OUTPUTS = ("clip", "tanh", "argmax")
-_LARGEST = 1e300  # of what a layer may reach: its sums stay finite
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -281,37 +280,6 @@ def network_from(about: Mapping[str, Any], tensors: Mapping[str, np.ndarray]) ->
     if kind == "mlp":
         return mlp
     return Lstm(tensors["input_weight"], tensors["hidden_weight"], tensors["gate_bias"], mlp)
-
-
-def check_reach(network: Network, limit: float) -> None:
-    """Refuse weights so large that a decision could be no number.
-
-    Parameters
-    ----------
-    network : Mlp or Lstm
-    limit : float
-        Largest size of a scaled feature.
-    """
-    head = network
-    if isinstance(network, Lstm):
-        _reach("input_weight", limit, network.input_weight, network.gate_bias)
-        _reach("hidden_weight", 1.0, network.hidden_weight, network.gate_bias)
-        head, limit = network.head, 1.0
-    for k, (weight, bias) in enumerate(zip(head.weights, head.biases, strict=True)):
-        limit = _reach(f"weight_{k}", limit, weight, bias)
-        limit = 1.0 if head.activation == "tanh" else limit
-
-
-def _reach(name: str, limit: float, weight: np.ndarray, bias: np.ndarray) -> float:
-    """Largest size of what a layer gives for values of at most `limit`."""
-    with np.errstate(over="ignore"):
-        reached = float(np.max(limit * np.abs(weight).sum(axis=1) + np.abs(bias)))
-    if reached > _LARGEST:
-        raise ConfigError(
-            f"network: {name} is so large that its layer can reach {reached:.3g}: allowed is "
-            f"{_LARGEST:g}"
-        )
-    return reached
 
 
 def _single(array: np.ndarray) -> np.ndarray:

@@ -10,9 +10,10 @@ from ship_gym.config import shown, told_of
 from ship_gym.reading import check_unpacked, npz_arrays, parsed_json, read_as, read_bytes
 from ship_gym_agents.forms.form import Form
 from ship_gym_agents.policies.cards import checked_card
-from ship_gym_agents.policies.networks import check_reach, network_from
+from ship_gym_agents.policies.networks import network_from
 from ship_gym_agents.policies.normaliser import Normaliser
 from ship_gym_agents.policies.policy import Policy
+from ship_gym_agents.policies.reach import check_reach
 
 _NAMES = {"card.json", "actor.npz", "normaliser.npz"}
 

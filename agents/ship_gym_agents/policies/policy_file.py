@@ -29,9 +29,10 @@ from ship_gym.reading import read_as, read_bytes
 from ship_gym_agents.forms.form import form_from
 from ship_gym_agents.plugins import check_no_code
 from ship_gym_agents.policies.cards import checked_card
-from ship_gym_agents.policies.networks import check_reach, network_from
+from ship_gym_agents.policies.networks import network_from
 from ship_gym_agents.policies.normaliser import Normaliser
 from ship_gym_agents.policies.policy import Policy
+from ship_gym_agents.policies.reach import check_reach
 
 POLICY_FILE = "policy.safetensors"
 FORMAT = 2

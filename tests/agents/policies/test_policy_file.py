@@ -16,7 +16,7 @@ from ship_gym_agents.entrants import entrant
 from ship_gym_agents.forms.form import Form
 from ship_gym_agents.gains_files import tuned_files
 from ship_gym_agents.policies import policy_file
-from ship_gym_agents.policies.networks import Mlp, check_reach
+from ship_gym_agents.policies.networks import Mlp
 from ship_gym_agents.policies.old_zip import is_old, load_old
 from ship_gym_agents.policies.policy_file import (
     POLICY_FILE,
@@ -25,6 +25,7 @@ from ship_gym_agents.policies.policy_file import (
     save_policy,
     seed_folders,
 )
+from ship_gym_agents.policies.reach import check_reach
 
 from ship_gym.config import ConfigError
 
