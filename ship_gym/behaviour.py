@@ -123,7 +123,7 @@ def _published(name: str, surrogate: str) -> tuple[Ship, ...]:
     return tuple(found)
 
 
-@functools.lru_cache(maxsize=64)
+@functools.lru_cache(maxsize=4096)  # fleets of ships that all differ are made again and again
 def findings(ship: Ship, simulation: Callable[[Ship, int], Any]) -> tuple[str, ...]:
     """What a ship does that no ship does, one line each; looked at once for equal ships.
 
