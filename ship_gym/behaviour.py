@@ -38,7 +38,7 @@ _PUSH = 0.05  # r' of a small push: 3 deg in the time of a ship length
 _OFF_COURSE = math.radians(20.0)  # after the short time, also after a push; 8 deg, kvlcc2
 _SLOWEST, _FASTEST = 0.5, 1.15  # speeds straight ahead by U0; 0.93 (kvlcc2 pushed), 1.00
 _LEAST_TURN = math.radians(10.0)  # after the short time at 20 deg of rudder; 67 deg, s175
-# r L / U0 at any time hard over at service speed; 0.74, onrt_model without a surrogate. Not how wide
+# r L / U0 at any time hard over at service speed; 0.74, onrt_model without surrogate. Not how wide
 # her circle is or whether she stops in it: a short and wide ship, or one with a rudder of high lift
 # at 45 to 70 deg, turns on the spot
 _MOST_YAW = 1.5
