@@ -56,6 +56,7 @@ _OF_SHIPS = (
 # speed of her file. The ships of the package reach 2.15 U0 (kcs_model drawn with little resistance,
 # full ahead) and, in the worst seas that a scenario may draw, r L / U0 = 1.4 (docs/soak.md).
 FASTEST, FASTEST_TURN = 2.5, 3.0
+_OF_FULL_AHEAD = 1.25  # of the speed full ahead, where the nominal one of a file is so low
 
 
 class SimulationDiverged(RuntimeError):
@@ -133,7 +134,8 @@ class ShipSim:
         two = any(ship.propellers == 2 for ship in self.ships)
         self.flow = np.zeros((self.n, len(FLOW_OF_UNITS) if two else N_FLOW))
         self._clock = np.zeros((self.n, 2))
-        self.limits = np.array([limits_of(ship) for ship in self.ships])
+        different, numbers = numbered(self.ships)
+        self.limits = np.array([limits_of(ship) for ship in different])[numbers]
         self.lost = np.zeros(self.n, dtype=np.bool_)
         self._longest = np.array([longest_step(s) for s in self.ships])
 
@@ -421,8 +423,31 @@ class _Trial(ShipSim):
 
 
 def limits_of(ship: Ship) -> tuple[float, float]:
-    """Speed through the water [m/s] and yaw rate [rad/s] beyond which a ship is none."""
-    return FASTEST * ship.file_speed, FASTEST_TURN * ship.file_speed / ship.hull.L
+    """Speed through the water [m/s] and yaw rate [rad/s] beyond which a ship is none.
+
+    `FASTEST` and `FASTEST_TURN`, of the nominal speed of her file; higher by one factor if that
+    speed is so low that her propeller alone drives her faster in calm water.
+    """
+    nominal = FASTEST * ship.file_speed
+    fastest = _fastest(ship, nominal)
+    return fastest, FASTEST_TURN * ship.file_speed / ship.hull.L * (fastest / nominal)
+
+
+def _fastest(ship: Ship, least: float) -> float:
+    """`least` [m/s], or `_OF_FULL_AHEAD` of her speed full ahead, torque unlimited, if more."""
+    made = fleet([ship])
+    record, tables = made.records[0], Tables(made.open_water[0], made.deflected[0])
+
+    def surge(speed: float) -> float:
+        own, _ = ship_forces((speed, 0.0, 0.0), (0.0, ship.engine.n_max), record, tables)
+        return total(own).X
+
+    low, high = least, 2.0 * least
+    if not surge(low) > 0.0:
+        return least
+    while surge(high) > 0.0 and high < 8.0 * least:  # by more, she is none
+        low, high = high, 2.0 * high
+    return _OF_FULL_AHEAD * root(surge, low, high, 1e-6) if surge(high) < 0.0 else least
 
 
 def longest_step(ship: Ship) -> float:

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ship_gym.config import ConfigError, ImplausibleShip
+from ship_gym.config import ConfigError, ImplausibleShip, shown
 from ship_gym.conventions import G
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.ranges import (
@@ -263,11 +263,34 @@ def checked(ship: Ship, where: str = "") -> Ship:
         With a line for every number that cannot be computed with or, of a strict ship, that no
         ship has.
     """
-    found = findings_of(ship)
-    if lines := errors_of(ship, found):
+    lines = list(_no_numbers(ship))
+    if not lines:  # else nothing can be computed with
+        found = findings_of(ship)
+        lines = errors_of(ship, found)
+    if lines:
         raise ConfigError("\n".join(f"{where or ship.name}: {line}" for line in lines))
     named = tuple(found.implausible)
     return ship if named == ship.implausible else dataclasses.replace(ship, implausible=named)
+
+
+def _no_numbers(ship: Ship) -> Iterator[str]:
+    """What of a ship made in Python is no number or no section; a file's is refused when read."""
+    for key in TOP.keys() & vars(ship).keys() | {"share"}:
+        yield from _no_number(key, getattr(ship, key))
+    for name, table in RANGES.items():
+        part = getattr(ship, name)
+        if part is None and name in ("form", "wind"):
+            continue
+        if not dataclasses.is_dataclass(part):
+            yield f"{name} = {shown(part)}: must be a section of numbers"
+            continue
+        for key in table:
+            yield from _no_number(f"{name}.{key}", getattr(part, key, None))
+
+
+def _no_number(key: str, value: Any) -> Iterator[str]:
+    if not isinstance(value, int | float | np.integer | np.floating):
+        yield f"{key} = {shown(value)}: must be a number"
 
 
 def warn_of(ship: Ship, where: str) -> None:

@@ -1,5 +1,7 @@
 """Episodes that diverge, or whose ship is none any more, end by themselves; the others sail on."""
 
+import dataclasses
+
 import gymnasium as gym
 import numpy as np
 import pytest
@@ -10,7 +12,9 @@ from ship_gym.conventions import R, U
 from ship_gym.evaluation import metrics, rollout
 from ship_gym.evaluation.controller import ConstantController
 from ship_gym.scenarios.sections import LARGEST
-from ship_gym.simulation import FASTEST, ShipSim, SimulationDiverged
+from ship_gym.ships.files import available_ships
+from ship_gym.ships.loader import load_ship
+from ship_gym.simulation import FASTEST, ShipSim, SimulationDiverged, limits_of
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.base import DIVERGED
 
@@ -133,6 +137,24 @@ def test_a_ship_at_the_limit_of_speed_is_still_one():
     env.episodes.sim.state[0, U] = 1.2 * FASTEST * env.ship.speed
     _, reward, terminated, _, info = env.step(np.zeros(1))
     assert terminated and info["outcome"] == DIVERGED and reward == -200.0
+
+
+def test_a_file_with_a_low_nominal_speed_does_not_end_her_full_ahead():
+    """KCS as for a harbour: 5 kn, a tenth of the power; the same engine drives her at 5.5 U0."""
+    kcs = load_ship("kcs", surrogate="none")
+    slow = dataclasses.replace(kcs, name="slow", speed=2.57, trials=(), propulsion=())
+    env = gym.make(HEADING, ship=slow, control="rudder+rpm", scenario="heading_calm").unwrapped
+    env.reset(seed=0)
+    for _ in range(400):
+        *_, terminated, truncated, info = env.step(np.array([0.0, 1.0]))
+        assert info["outcome"] == 0
+        if terminated or truncated:
+            break
+    sim = env.episodes.sim
+    assert sim.state[0, U] > 2.5 * 2.57
+    assert 2.5 * 2.57 < sim.limits[0, 0] < 9.0 * 2.57
+    for name in available_ships():  # of these no speed is so low
+        assert limits_of(load_ship(name))[0] == FASTEST * load_ship(name).file_speed
 
 
 def test_a_recording_of_one_has_finite_columns_and_metrics():

@@ -85,12 +85,15 @@ def test_a_slower_ship_takes_longer():
     assert minimum_turn_time(ship, step, 0.6 * ship.speed) > 1.2 * minimum_turn_time(ship, step)
 
 
-def test_what_cannot_be_turned_is_refused():
+def test_what_cannot_be_turned_is_refused(monkeypatch):
     with pytest.raises(ConfigError, match="looks like degrees"):
         minimum_turn_time("s175", 20.0)
     with pytest.raises(ConfigError, match="allowed is"):
         minimum_turn_time("s175", 3.3)
     stiff = with_rudder(load_ship("s175"), delta_max=math.radians(0.05))
     stiff = checked(dataclasses.replace(stiff, strict=False))
+    with pytest.raises(ConfigError, match=r"s175: no ship does this: .* she has turned 0 deg"):
+        minimum_turn_time(stiff, 1.0)
+    monkeypatch.setattr(ShipSim, "_check_ships", lambda self: None)
     with pytest.raises(ConfigError, match=r"s175: no turn of 180 deg within 3600 s"):
         minimum_turn_time(stiff, 1.0)

@@ -8,6 +8,7 @@ import re
 import shutil
 import warnings
 
+import numpy as np
 import pytest
 
 import ship_gym
@@ -375,3 +376,15 @@ def test_a_hull_variant_is_named_with_its_file(tmp_path):
     with pytest.raises(ConfigError, match=r"ship.toml with hull_a.toml: hull.Y_vrr = 0.8341: all"):
         load_ship(path, variant="hull_a")
     assert load_ship(path, surrogate="none").strict
+
+
+@pytest.mark.parametrize("value", ["230", None, 1j, [230.0], np.array(230.0)])
+def test_a_ship_made_in_python_has_numbers(value):
+    ship = load_ship("kcs")
+    bad = dataclasses.replace(ship, hull=dataclasses.replace(ship.hull, L=value), rudder=None)
+    with pytest.raises(ConfigError) as refused:
+        load_ship(bad)
+    lines = sorted(str(refused.value).splitlines())
+    assert len(lines) == 2
+    assert lines[0].startswith("kcs: hull.L = ") and lines[0].endswith(": must be a number")
+    assert lines[1] == "kcs: rudder = None: must be a section of numbers"
