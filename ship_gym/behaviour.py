@@ -5,7 +5,8 @@ that gains speed by drifting. So ``simulation.ShipSim``, through which everythin
 lets a ship of an own file make the runs of `RUNS` once, side by side in calm water: she holds her
 course and service speed, also after a small push, turns to the side of her rudder, turns hard
 without spinning, and loses energy without thrust; her hull resists drift and turning.
-A ship file cannot switch this off.
+A ship file cannot switch this off, but for the circle at 35 deg of rudder, which ``strict = false``
+lets be of any width.
 
 The limits are ours and wide; beside each stands the nearest of the ships, hulls and surrogates of
 the package, whose numbers are of tanks and trials, an unstable tanker among them.
@@ -42,6 +43,8 @@ _LEAST_TURN = math.radians(10.0)  # after the short time at 20 deg of rudder; 67
 # her circle is or whether she stops in it: a short and wide ship, or one with a rudder of high lift
 # at 45 to 70 deg, turns on the spot
 _MOST_YAW = 1.5
+_USUAL = math.radians(35.0)  # rudder of the circle that is asked of a strict ship
+_TIGHTEST = 1.0  # her steady diameter [L]; 2.2, dtc_model
 _FASTEST_TURN = 3.0  # speed at any time of a turn, by U0; 1.12, kcs_model at full ahead
 _GAIN = 0.01  # energy won without thrust, by that at the start; none, it falls in every interval
 _DRIFTS = tuple(math.radians(angle) for angle in (3.0, 10.0, 20.0))
@@ -53,7 +56,7 @@ class Run(NamedTuple):
 
     name: str
     kind: str  # what is asked of it
-    rudder: int = 0  # positive to starboard, 1: 20 deg, 2: hard over
+    rudder: int = 0  # positive to starboard, 1: 20 deg, 2: hard over, 3: at most 35 deg
     engine: str = "service"  # or "full", "stopped"
     u: float = 1.0
     v: float = 0.0
@@ -75,6 +78,8 @@ RUNS = (
     Run("propeller stopped, swinging", "coast", 0, "stopped", 0.95, 0.0, 0.5),
     Run("propeller stopped, in a turn", "coast", 0, "stopped", 0.9, -0.3, 0.5),
     Run("propeller stopped, checking a turn", "coast", 0, "stopped", 0.9, 0.3, 0.5),
+    Run("35 deg of rudder to starboard", "circle", 3),
+    Run("35 deg of rudder to port", "circle", -3),
 )
 
 
@@ -159,6 +164,7 @@ def findings(ship: Ship, simulation: Callable[[Ship, int], Any]) -> tuple[str, .
         *_wrong_side(motions, runs),
         *_no_turn(motions, runs),
         *_gains(motions, runs),
+        *(_no_circle(motions, runs) if ship.strict else ()),
     )
 
 
@@ -169,7 +175,8 @@ def _unit(ship: Ship) -> np.ndarray:
 
 def sailed(ship: Ship, sim: Any) -> np.ndarray:
     """States of `RUNS`, shape (looks, runs, 8), of ships that were reset at service speed."""
-    rudder = (0.0, min(_RUDDER, ship.gear.delta_max), ship.gear.delta_max)
+    most = ship.gear.delta_max
+    rudder = (0.0, min(_RUDDER, most), most, min(_USUAL, most))
     n = {"service": float(sim.state[0, N]), "full": ship.engine.n_max, "stopped": 0.0}
     sim.state[:, [U, V, R]] = [(run.u, run.v, run.r) for run in RUNS] * _unit(ship)
     sim.state[:, N] = [n[run.engine] for run in RUNS]
@@ -186,11 +193,12 @@ def sailed(ship: Ship, sim: Any) -> np.ndarray:
 class Motions(NamedTuple):
     """What is asked of the runs, each (looks, runs).
 
-    Speed by U0; r' and heading [rad], positive to the side of rudder or push; kinetic energy
+    Speed and u by U0; r' and heading [rad], positive to the side of rudder or push; kinetic energy
     with the added mass, by that at the start.
     """
 
     speed: np.ndarray
+    u: np.ndarray
     r: np.ndarray
     turned: np.ndarray
     energy: np.ndarray
@@ -204,7 +212,7 @@ def by_size(ship: Ship, history: np.ndarray) -> Motions:
     energy = 0.5 * (b.m_u * u * u + b.m_v * v * v + b.I_r * r * r) + b.m_xG * v * r
     start = np.where(energy[0] > 0.0, energy[0], 1.0)
     speed, turned = np.hypot(u, v) / U0, side * history[..., PSI]
-    return Motions(speed, side * r * L / U0, turned, energy / start)
+    return Motions(speed, u / U0, side * r * L / U0, turned, energy / start)
 
 
 def _not_finite(history: np.ndarray, whole: np.ndarray) -> Iterator[str]:
@@ -287,6 +295,22 @@ def _no_turn(m: Motions, runs: Named) -> Iterator[str]:
                 f"{run.name}: she spins at r L/U0 = {yaw:.2f}; allowed is up to {_MOST_YAW} "
                 "(rudder.A_R, f_alpha, a_H, x_R, hull.N_r, J_z, k_zz)"
             )
+
+
+def _no_circle(m: Motions, runs: Named) -> Iterator[str]:
+    """What a short, wide ship or one with a rudder of high lift may do: asked of strict ships."""
+    for k, run in _of_kind("circle", runs):
+        u, diameter = m.u[-1, k], 2.0 * m.speed[-1, k] / max(abs(m.r[-1, k]), 1e-9)
+        if u <= 0.0:
+            told = f"at last she goes astern, at {-u:.2f} U0; allowed is ahead"
+        elif diameter < _TIGHTEST:
+            told = f"her circle is {diameter:.2f} L wide; allowed is from {_TIGHTEST:g}"
+        else:
+            continue
+        yield (
+            f"{run.name}: {told} (rudder.A_R, f_alpha, a_H, hull.N_r); if it is meant: "
+            "strict = false"
+        )
 
 
 def _gains(m: Motions, runs: Named) -> Iterator[str]:
