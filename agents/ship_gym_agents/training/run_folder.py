@@ -15,12 +15,15 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.provenance import atomic_path, locked, sweep
+from ship_gym.provenance import atomic_path, check_own, locked, sweep
 from ship_gym_agents.policies.policy_file import POLICY_FILE
 from ship_gym_agents.sb3.run_card import CARD_FILE, read_run_card, read_run_state
 from ship_gym_agents.training.curves import CURVE_FILE, CURVE_PICTURE, write_curve
+from ship_gym_agents.training.recordings import FOLDER as RECORDINGS
 
 _LOCK, _CHECKPOINTS, _STATE, _UNFINISHED = "lock", "checkpoint", "run.json", "unfinished"
+_WRITTEN = [CARD_FILE, POLICY_FILE, CURVE_FILE, CURVE_PICTURE, _CHECKPOINTS]
+_WRITTEN += ["tensorboard", RECORDINGS, "summary.json"]
 _NUMBER = "checkpoint"  # in a card: the generation that it is of
 
 
@@ -48,6 +51,7 @@ class TrainingFolder:
 
         Killing that one frees it.
         """
+        check_own(self.path, _WRITTEN)
         with locked(self.path / _LOCK, "trains into this folder"):
             self._mend()
             yield
@@ -147,8 +151,9 @@ class TrainingFolder:
         return max((int(one.name) for one in self._complete()), default=0)
 
     def _complete(self) -> list[Path]:
-        """Complete generations, the oldest first."""
-        return sorted(path for path in self._checkpoints.glob("[0-9]*") if path.is_dir())
+        """Complete generations, the oldest first; a copy by another name is none."""
+        found = (path for path in self._checkpoints.glob("[0-9]*") if path.name.isdecimal())
+        return sorted(path for path in found if path.is_dir() and not path.is_symlink())
 
     def free(self) -> None:
         """Take back the card of a run that was refused before it had learned anything."""
