@@ -7,6 +7,7 @@ import re
 import pytest
 from ship_gym_agents.gains_files import gains_path
 from ship_gym_agents.pid import load_gains
+from ship_gym_agents.sb3.run_card import read_run_card
 
 from ship_gym.config import LONGEST, ConfigError
 from ship_gym.csv_file import read_csv
@@ -224,6 +225,12 @@ VALUES = [
     ("history.csv", "1,2", '"1,2', "not a CSV file"),
     ("history.csv", "x [m]", "t [s]", "history.csv:1: column 't .s.' is there twice"),
 ]
+
+
+def test_a_card_may_hold_means_that_are_nearly_zero(tmp_path):
+    path = tmp_path / "card.json"
+    path.write_text(json.dumps({**CARD, "validations": [{**VALIDATION, "J_1": 1e-33}]}))
+    assert read_run_card(path)["validations"][0]["J_1"] == 1e-33
 
 
 @pytest.mark.parametrize(("name", "old", "new", "words"), VALUES)
