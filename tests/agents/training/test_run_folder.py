@@ -121,6 +121,14 @@ def test_a_folder_of_a_stranger_writes_nowhere_else(tmp_path, name):
     assert (tmp_path / "mine" / "000000").read_text() == "mine"
 
 
+def test_a_good_copy_is_not_replaced_by_a_policy_that_was_damaged_since(tmp_path):
+    folder = TrainingFolder(tmp_path)
+    generation(folder, "stands for a policy")
+    (tmp_path / "checkpoint" / "000001" / "policy.safetensors").write_text("flipped")
+    with folder.locked():
+        assert folder.policy.read_text() == "stands for a policy"
+
+
 def test_one_of_several_seeds_is_named_with_its_run(tmp_path):
     assert TrainingFolder(tmp_path / "track").name == "track"
     assert TrainingFolder(tmp_path / "track" / "seed_3").name == "track-seed_3"
