@@ -324,7 +324,6 @@ def test_keys_name_where_they_stand():
         (lambda: keys.number("c"), "f.json: a.c = 'x': must be a number"),
         (lambda: keys.numbers("d"), "f.json: a.d[1] = 'y': must be a number"),
         (lambda: keys.known("c", ["y", "z"]), "f.json: a.c = 'x'"),
-        (lambda: keys.flag("b"), "f.json: a.b = 1: must be true or false"),
         (lambda: keys.table("b"), "f.json: a.b = 1: must be a table of keys"),
         (lambda: keys.text("bb"), "f.json: missing key 'bb' in a; did you mean 'b'?"),
         (lambda: keys.whole("b", 2, 3), "f.json: a.b = 1: allowed is 2 to 3"),
