@@ -96,10 +96,6 @@ class Keys:
             raise ConfigError(f"{self.label(key)} = {shown(found)}:{nearest(found, known)}")
         return found
 
-    def flag(self, key: str, instead: Any = _NEEDED) -> bool:
-        """True or false."""
-        return self._of_type(key, bool, "true or false", instead)
-
     def items(self, key: str, instead: Any = _NEEDED) -> list[Any]:
         """A list of whatever."""
         return self._of_type(key, list, "a list", instead)

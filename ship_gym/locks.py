@@ -6,7 +6,8 @@ import contextlib
 import errno
 import os
 import stat
-from collections.abc import Iterator
+import warnings
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import IO
 
@@ -20,6 +21,8 @@ _OTHERS = {
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
 }
+# what a file system without locks says
+_NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EINVAL}
 
 
 def unfit(path: Path) -> str:
@@ -47,9 +50,39 @@ def is_there(file: IO[bytes], path: str | os.PathLike) -> bool:
         return False
 
 
+def check_own(folder: Path, names: Iterable[str]) -> None:
+    """Refuse links that lead out of a folder of a run, which may be a stranger's.
+
+    What is written there is not what somebody named, as ``--out`` is: a link among it would let
+    the maker of the folder choose a file of ours that is replaced. The folder itself may be one.
+
+    Parameters
+    ----------
+    folder : Path
+    names : iterable of str
+        Files and folders in it that will be written.
+
+    Raises
+    ------
+    ConfigError
+        One leads out of it; says where to.
+    """
+    for name in names:
+        path = folder / name
+        if path.is_symlink() and not Path(os.path.realpath(path)).is_relative_to(
+            os.path.realpath(folder)
+        ):
+            raise ConfigError(
+                f"{path}: a link to {os.readlink(path)}; in the folder of a run allowed are only "
+                "files and folders that lie in it"
+            )
+
+
 @contextlib.contextmanager
 def locked(path: str | os.PathLike, doing: str, what: str | os.PathLike = "") -> Iterator[None]:
     """Hold a folder by a lock file in it, which names the process; a dead one holds nothing.
+
+    Where the file system has no locks it goes on with a warning: two processes are not told apart.
 
     Parameters
     ----------
@@ -63,15 +96,15 @@ def locked(path: str | os.PathLike, doing: str, what: str | os.PathLike = "") ->
     Raises
     ------
     ConfigError
-        Another process holds it; says which.
+        Another process holds it; says which. Or the lock file is a link or no file.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    if other := unfit(path):
-        raise ConfigError(f"{path}: {other}")
+    if other := "a link" if path.is_symlink() else unfit(path):
+        raise ConfigError(f"{path}: {other}; the lock is a file of its own")
     while True:
-        with path.open("a+b") as file:
-            if not take_lock(file):
+        with open(path, "a+b", opener=_opened) as file:
+            if not _taken(file, what or path.parent):
                 file.seek(0)
                 holder = file.read(20).decode("ascii", "replace").strip() or "unknown"
                 raise ConfigError(
@@ -85,6 +118,22 @@ def locked(path: str | os.PathLike, doing: str, what: str | os.PathLike = "") ->
             file.flush()
             yield
             return
+
+
+def _opened(name: str, flags: int) -> int:
+    """Open a lock file, which is emptied, and not what somebody makes it point to."""
+    return os.open(name, flags | getattr(os, "O_NOFOLLOW", 0), 0o666)
+
+
+def _taken(file: IO[bytes], what: str | os.PathLike) -> bool:
+    """As `take_lock`; a file system without locks is told of."""
+    try:
+        return take_lock(file)
+    except OSError as error:
+        if error.errno not in _NO_LOCKS:
+            raise
+        warnings.warn(f"{what}: {error.strerror}; nothing keeps others away", stacklevel=4)
+        return True
 
 
 @contextlib.contextmanager

@@ -9,7 +9,7 @@ import subprocess
 from importlib import metadata
 from pathlib import Path
 
-from ship_gym.locks import held, locked, take_lock
+from ship_gym.locks import check_own, held, locked, take_lock
 from ship_gym.writing import (
     DiskFull,
     atomic_path,
@@ -24,6 +24,7 @@ __all__ = [
     "DiskFull",
     "atomic_path",
     "causes",
+    "check_own",
     "check_place",
     "full_disk_named",
     "git_commit",

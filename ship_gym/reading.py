@@ -96,6 +96,8 @@ def read_as(path: str | os.PathLike, what: str) -> Iterator[None]:
         told = cut(" ".join(str(error).split()), _MOST_TOLD) or type(error).__name__
         if isinstance(error, KeyError):
             told = f"no {told}"
+        if "pickle" in told:  # numpy's words advise to run it
+            told = "holds Python objects, which may be code and are not read"
         raise ConfigError(f"{path}: not {what}, or damaged: {told}") from None
 
 

@@ -1,8 +1,8 @@
 """How files are written: whole or not at all, and only where a file can be.
 
-A file is written under a hidden name beside it, ``.NAME-xxxxxxxx.tmp.EXT``, which it leaves when it
-is whole. The hidden one is locked as long as its writer lives, so that those of killed writers are
-told from others and removed at the next start (`sweep`).
+A file is written under a hidden name beside it, ``.NAME-xxxxxxxx.ship_gym.tmp.EXT``, which it
+leaves when it is whole. The hidden one is locked as long as its writer lives, so that those of
+killed writers are told from others and removed at the next start (`sweep`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ship_gym.locks import followed, is_there, take_lock, unfit
 # what a write says where there is no room: full disk, quota, limit of file sizes
 _FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 _STEM = 50  # letters of a file's name that the hidden one keeps
-_HIDDEN = re.compile(r"\.(.*)-[a-z0-9_]{8}\.tmp(\.[^.]*)?", re.DOTALL)
+_HIDDEN = re.compile(r"\.(.*)-[a-z0-9_]{8}\.ship_gym\.tmp(\.[^.]*)?", re.DOTALL)
 
 
 class DiskFull(OSError):
@@ -170,7 +170,7 @@ def _hidden(path: Path) -> Iterator[Path]:
     """A new hidden file beside `path`, locked where the system can."""
     while True:
         handle, name = tempfile.mkstemp(
-            dir=path.parent, prefix=f".{path.stem[:_STEM]}-", suffix=f".tmp{path.suffix}"
+            dir=path.parent, prefix=f".{path.stem[:_STEM]}-", suffix=f".ship_gym.tmp{path.suffix}"
         )
         if os.name == "nt":  # which renames no open file
             os.close(handle)

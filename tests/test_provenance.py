@@ -12,10 +12,12 @@ from ship_gym.config import ConfigError
 from ship_gym.provenance import (
     DiskFull,
     atomic_path,
+    check_own,
     check_place,
     full_disk_named,
     git_commit,
     held,
+    locked,
     no_space,
     provenance,
     sha256,
@@ -140,6 +142,7 @@ def test_what_a_killed_writer_left_is_swept_and_what_a_living_one_writes_is_not(
     subprocess.run([sys.executable, "-c", write], check=False)
     assert len(strays(tmp_path)) == 1
     (tmp_path / ".my-settings.json").write_text("a user's own")
+    (tmp_path / ".diary-20261127.tmp.txt").write_text("of another program")
     with atomic_path(tmp_path / "b.json") as living:
         sweep(tmp_path, tmp_path / "other.json")
         assert len(strays(tmp_path)) == 2, "others than of this file stay"
@@ -147,11 +150,47 @@ def test_what_a_killed_writer_left_is_swept_and_what_a_living_one_writes_is_not(
         assert strays(tmp_path) == [living.name]
         sweep(tmp_path)
         living.write_text("whole")
-    assert sorted(os.listdir(tmp_path)) == [".my-settings.json", "b.json"]
+    assert sorted(os.listdir(tmp_path)) == [
+        ".diary-20261127.tmp.txt",
+        ".my-settings.json",
+        "b.json",
+    ]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need a right there")
+def test_links_out_of_a_folder_of_a_run_are_refused_and_others_are_not(tmp_path):
+    precious, run = tmp_path / "precious", tmp_path / "run"
+    precious.write_text("mine")
+    run.mkdir()
+    (run / "inside.csv").symlink_to("card.json")
+    (tmp_path / "link").symlink_to(run)
+    check_own(tmp_path / "link", ["inside.csv", "card.json"])
+    (run / "card.json").symlink_to("../precious")
+    with pytest.raises(ConfigError, match=r"card\.json: a link to \.\./precious"):
+        check_own(run, ["card.json"])
+    (run / "lock").symlink_to(precious)
+    with pytest.raises(ConfigError, match="lock: a link"), locked(run / "lock", "trains"):
+        pytest.fail("was let in")
+    assert precious.read_text() == "mine"
+
+
+def test_a_file_system_without_locks_is_told_of(tmp_path, monkeypatch):
+    fcntl = pytest.importorskip("fcntl")
+
+    def none(file, how):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", none)
+    with (
+        pytest.warns(UserWarning, match=r"a\.json: no lock: No locks"),
+        held(tmp_path / "a.json", "works"),
+    ):
+        (tmp_path / "a.json").write_text("{}")
+    assert os.listdir(tmp_path) == ["a.json"]
 
 
 def strays(folder):
-    return [name for name in os.listdir(folder) if name.startswith(".") and ".tmp" in name]
+    return [name for name in os.listdir(folder) if ".ship_gym.tmp" in name]
 
 
 def test_a_file_is_held_by_one_process(tmp_path):

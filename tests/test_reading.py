@@ -11,7 +11,7 @@ import pytest
 
 from ship_gym import reading
 from ship_gym.config import LONGEST, ConfigError
-from ship_gym.reading import read_bytes, read_json, read_npz, read_text, read_toml
+from ship_gym.reading import read_bytes, read_json, read_npy, read_npz, read_text, read_toml
 
 READERS = {"toml": read_toml, "json": read_json, "npz": read_npz}
 DEEP = 50_000
@@ -72,6 +72,19 @@ def test_whole_files(tmp_path):
     np.testing.assert_array_equal(read_npz(tmp_path / "a.npz", "values")["values"], [0, 1, 2])
     with pytest.raises(ConfigError, match="no array 'axes'"):
         read_npz(tmp_path / "a.npz", "values", "axes")
+
+
+@pytest.mark.parametrize("read", [read_npz, read_npy])
+def test_nobody_is_advised_to_run_a_pickle(tmp_path, read):
+    path = tmp_path / "a.npz"
+    for data in (pickle.dumps({}), b""):
+        path.write_bytes(data)
+        with pytest.raises(ConfigError) as caught:
+            read(path)
+        assert "trust" not in str(caught.value)
+    np.savez(path, a=np.array([{}], dtype=object))
+    with pytest.raises(ConfigError, match=r"a\.npz: not an np[yz] file"):
+        read(path)
 
 
 def test_one_array_without_a_name_is_no_npz(tmp_path):

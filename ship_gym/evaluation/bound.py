@@ -135,7 +135,8 @@ def optimum(
     Raises
     ------
     ConfigError
-        No controllers, a task without residuals or a measure that is no mean of squares.
+        No controllers, a task without residuals, a measure that is no mean of squares or that an
+        episode is too short for.
     """
     if not controllers:
         raise ConfigError("controllers: at least one is needed, where the search starts")
@@ -143,6 +144,12 @@ def optimum(
     resolved, given = resolved_scenario(scenario, ship, control, None, None, overrides)
     measure = TASKS[resolved.task].headline if measure is None else measure
     objective = objective_of(resolved.task, measure) if objective is None else objective
+    first = rollout(controllers[0], resolved, seeds=seeds[:1], ship=given, parallel=False)
+    if metrics(first.trajectory(0)).get(measure) is None:
+        raise ConfigError(
+            f"duration = {resolved.duration:g} s: an episode has no {measure}; allowed is a longer "
+            "one"
+        )
     problem = _problem(resolved, given, objective, seeds, parallel)
     costs, actions = {}, {}
     for pilot, start in _starts(problem, controllers):
@@ -238,6 +245,10 @@ def front(
             controllers, scenario, seeds=seeds, measure=measure, objective=weights, **how
         )
         rows = [metrics(found.rollout.trajectory(i)) for i in range(len(seeds))]
-        middle = interquartile_mean(np.array([list(row.values()) for row in rows]), axis=0)
+        table = np.array([list(row.values()) for row in rows], dtype=float)  # None becomes nan
+        middle = interquartile_mean(table, axis=0)
         points.append({"lambda": float(lam)} | dict(zip(rows[0], middle.tolist(), strict=True)))
-    return points
+    known = [
+        name for name in (points or [{}])[0] if all(np.isfinite(point[name]) for point in points)
+    ]
+    return [{name: point[name] for name in known} for point in points]

@@ -15,7 +15,7 @@ from ship_gym.config import ConfigError
 from ship_gym.evaluation.episodes_table import check_row, finite
 from ship_gym.evaluation.unit import Sailed
 from ship_gym.keys import read_keys
-from ship_gym.provenance import atomic_path, locked, sweep
+from ship_gym.provenance import atomic_path, check_own, locked, sweep
 
 EPISODES = "episodes.parquet"
 REPORT = "report.html"
@@ -46,6 +46,8 @@ class RunFolder:
 
         What killed ones left half is removed.
         """
+        check_own(self.path, [EPISODES, REPORT, _SETTINGS, _UNITS, RECORDINGS])
+        check_own(self.path, (f"{_UNITS}/{path.name}" for path in self._units.glob("*")))
         with locked(self.path / _LOCK, "benchmarks into this folder"):
             for folder in (self.path, self._units, self.path / RECORDINGS):
                 sweep(folder)

@@ -219,6 +219,8 @@ def test_refusals():
         optimum([], SHORT, seeds=SEEDS)
     with pytest.raises(ConfigError, match=r"'overshoot' .* no mean of squares; allowed are J_0"):
         optimum([Proportional()], SHORT, seeds=SEEDS, measure="overshoot")
+    with pytest.raises(ConfigError, match=r"duration = 20 s: an episode has no J_steady"):
+        optimum([Proportional()], SHORT, seeds=SEEDS, overrides={"duration": 20.0})
     with pytest.raises(ConfigError, match="task 'docking' has no residuals"):
         objectives_of("docking")
     with pytest.raises(ConfigError, match="iterations"):

@@ -158,7 +158,7 @@ def _computed(asked: Asked) -> Made:
     # beside a ship file, where the ship finds it
     own = str(asked.ship or "").endswith(".toml")
     folder = Path(asked.ship).parent if own else Path("runs")
-    check_replaced(asked.out, wave_table(ship.name), asked.force)
+    check_replaced(asked.out, wave_table(ship.name, dataclasses.asdict(grid)), asked.force)
     out = place(asked.out, folder / f"waves_{ship.name}.npz")
     return Made(database.build(ship, mesh, out, grid, asked.jobs, progress), ship, mesh, out)
 

@@ -46,6 +46,8 @@ def check_replaced(path: Path | None, result: Result, force: bool, option: str =
     there = result_in(path)
     if there is None or _plain(there.facts) != _plain(result.facts):
         words = "no such result" if there is None else there.words
+        if words == result.words:
+            words += " with other settings"
         raise ConfigError(f"{option} {path}: holds {words}, not {result.words}; see --force")
 
 
@@ -72,9 +74,9 @@ def gains(controller: str, ship: str, task: str | None) -> Result:
     return Result(f"gains of {controller} for {ship}", ["gains", controller, ship, task])
 
 
-def wave_table(ship: str) -> Result:
-    """A table of drift forces and motions."""
-    return Result(f"a wave table of {ship}", ["wave table", ship])
+def wave_table(ship: str, grid: dict[str, Any]) -> Result:
+    """A table of drift forces and motions; a coarse one is another than a fine one of hours."""
+    return Result(f"a wave table of {ship}", ["wave table", ship, grid])
 
 
 def surrogate(data: str, ship: str) -> Result:
@@ -122,7 +124,8 @@ def _table_in(path: Path) -> Result:
     from ship_gym.tables import Table
 
     try:
-        return wave_table(WaveTable.load(path).card["ship"])
+        card = WaveTable.load(path).card
+        return wave_table(card["ship"], card["grid"])
     except ConfigError:
         card = Table.load(path).card
         return surrogate(card["data"], card["made_for"]["ship"])

@@ -108,6 +108,7 @@ class Run:
             raise ConfigError(
                 f"{self.folder.path}: cannot resume with another config than in {CARD_FILE}"
             )
+        self._before = card
         self._ended = card is not None and card["status"] == "complete"
         self._of_before = {key: card[key] for key in ("command", "init") if key in (card or {})}
         state = self.folder.state()
@@ -302,6 +303,13 @@ class Run:
     def _describe_best(self, status: str) -> None:
         """Let the best policy tell of the run as it is now."""
         self.best.card = {**self.best.card, **self._card(status)}
+
+    def refuse(self) -> None:
+        """Give a run that could not go on its card back; one that began here is stopped."""
+        if self._before is not None and self.folder.checkpoint() == self.checkpoint:
+            self.folder.write_card(self._before)
+        else:
+            self.write("stopped")
 
     def write(self, status: str) -> None:
         """Write the card."""

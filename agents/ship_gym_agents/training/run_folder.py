@@ -15,12 +15,16 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ship_gym.provenance import atomic_path, locked, sweep
-from ship_gym_agents.policies.policy_file import POLICY_FILE
+from ship_gym.config import ConfigError
+from ship_gym.provenance import atomic_path, check_own, locked, sweep
+from ship_gym_agents.policies.policy_file import POLICY_FILE, load_policy
 from ship_gym_agents.sb3.run_card import CARD_FILE, read_run_card, read_run_state
 from ship_gym_agents.training.curves import CURVE_FILE, CURVE_PICTURE, write_curve
+from ship_gym_agents.training.recordings import FOLDER as RECORDINGS
 
 _LOCK, _CHECKPOINTS, _STATE, _UNFINISHED = "lock", "checkpoint", "run.json", "unfinished"
+_WRITTEN = [CARD_FILE, POLICY_FILE, CURVE_FILE, CURVE_PICTURE, _CHECKPOINTS]
+_WRITTEN += ["tensorboard", RECORDINGS, "summary.json"]
 _NUMBER = "checkpoint"  # in a card: the generation that it is of
 
 
@@ -48,6 +52,7 @@ class TrainingFolder:
 
         Killing that one frees it.
         """
+        check_own(self.path, _WRITTEN)
         with locked(self.path / _LOCK, "trains into this folder"):
             self._mend()
             yield
@@ -120,10 +125,13 @@ class TrainingFolder:
         card = None if last is None else self._read(last / CARD_FILE)
         if card is None:  # none yet, or of a version that had none in it
             return
-        if (last / POLICY_FILE).is_file() and not _same(last / POLICY_FILE, self.policy):
+        policy = last / POLICY_FILE
+        copied = (self.card() or {}).get(_NUMBER) == self._number
+        differs = policy.is_file() and not _same(policy, self.policy)
+        if differs and not (copied and _is_damaged(policy)):
             with atomic_path(self.policy) as temporary:
-                shutil.copyfile(last / POLICY_FILE, temporary)
-        if (self.card() or {}).get(_NUMBER) != self._number:
+                shutil.copyfile(policy, temporary)
+        if not copied:
             write_curve(card.get("validations", []), self.path / CURVE_FILE)
             self.write_card(card)
 
@@ -147,8 +155,9 @@ class TrainingFolder:
         return max((int(one.name) for one in self._complete()), default=0)
 
     def _complete(self) -> list[Path]:
-        """Complete generations, the oldest first."""
-        return sorted(path for path in self._checkpoints.glob("[0-9]*") if path.is_dir())
+        """Complete generations, the oldest first; a copy by another name is none."""
+        found = (path for path in self._checkpoints.glob("[0-9]*") if path.name.isdecimal())
+        return sorted(path for path in found if path.is_dir() and not path.is_symlink())
 
     def free(self) -> None:
         """Take back the card of a run that was refused before it had learned anything."""
@@ -167,6 +176,15 @@ class TrainingFolder:
 
 def _text(card: Mapping[str, Any]) -> str:
     return json.dumps(card, indent=1) + "\n"
+
+
+def _is_damaged(policy: Path) -> bool:
+    """Whether a policy cannot be read; a copy made of it earlier is then the better one."""
+    try:
+        load_policy(policy)
+    except ConfigError:
+        return True
+    return False
 
 
 def _same(one: Path, other: Path) -> bool:

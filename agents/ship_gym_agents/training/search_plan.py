@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ship_gym.config import check_known, check_number
-from ship_gym.provenance import locked, sweep
+from ship_gym.provenance import check_own, locked, sweep
 from ship_gym_agents.policies.policy_file import load_policy
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training.budget import Budget
@@ -148,6 +148,8 @@ def mean_of(values: Sequence[float | None]) -> float | None:
 @contextlib.contextmanager
 def held(out: Path) -> Iterator[None]:
     """Hold the folder of a search; refused while another process does."""
+    names = ("search.json", "trials.log", "best.toml", "trials.csv", "trials.png")
+    check_own(out, names)
     with locked(out / "lock", "searches in this folder"):
         sweep(out)
         yield

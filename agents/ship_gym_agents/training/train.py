@@ -94,7 +94,7 @@ def train(
             learn, own = _learner(config.algorithm), _file(init)
             return learn(run, own, bar, _judge(run) if final else None)
         except ConfigError:
-            run.write("stopped")
+            run.refuse()
             folder.free()
             raise
         except KeyboardInterrupt:

@@ -81,7 +81,7 @@ def test_a_kill_before_the_copies_were_made_is_mended_at_the_next_start(tmp_path
     shutil.copytree(tmp_path / "checkpoint" / "000002", tmp_path / "checkpoint" / "000001")
     monkeypatch.undo()
     assert folder.policy.read_text() == "first" and folder.card()["status"] == "running"
-    (tmp_path / ".card-abcd_123.tmp.json").write_text("{")  # of a writer that was killed
+    (tmp_path / ".card-abcd_123.ship_gym.tmp.json").write_text("{")  # of a writer that was killed
     with folder.locked():
         assert folder.policy.read_text() == "second" and folder.card()["status"] == "complete"
         assert sorted(p.name for p in (tmp_path / "checkpoint").iterdir()) == ["000002"]
@@ -90,6 +90,43 @@ def test_a_kill_before_the_copies_were_made_is_mended_at_the_next_start(tmp_path
         folder.write_card({**CARD, "status": "stopped"})
     with folder.locked():
         assert folder.card()["status"] == "stopped", "what was said after it stays"
+
+
+def test_a_copy_of_a_generation_is_none_and_stays(tmp_path):
+    folder = TrainingFolder(tmp_path)
+    generation(folder, "first")
+    shutil.copytree(tmp_path / "checkpoint" / "000001", tmp_path / "checkpoint" / "000001.bak")
+    with folder.locked():
+        assert folder.checkpoint().name == "000001"
+    generation(folder, "second")
+    names = sorted(p.name for p in (tmp_path / "checkpoint").iterdir())
+    assert names == ["000001.bak", "000002"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need a right there")
+@pytest.mark.parametrize("name", ["policy.safetensors", "curve.csv", "lock", "checkpoint"])
+def test_a_folder_of_a_stranger_writes_nowhere_else(tmp_path, name):
+    folder = TrainingFolder(tmp_path / "run")
+    generation(folder, "echo harmful")
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "000000").write_text("mine")
+    if name == "checkpoint":
+        (folder.path / name).rename(folder.path / "aside")
+    (folder.path / name).unlink(missing_ok=True)
+    (folder.path / name).symlink_to(
+        tmp_path / "mine" if name == "checkpoint" else tmp_path / "mine" / "000000"
+    )
+    with pytest.raises(ConfigError, match=rf"{name}: a link"), folder.locked():
+        pytest.fail("was let in")
+    assert (tmp_path / "mine" / "000000").read_text() == "mine"
+
+
+def test_a_good_copy_is_not_replaced_by_a_policy_that_was_damaged_since(tmp_path):
+    folder = TrainingFolder(tmp_path)
+    generation(folder, "stands for a policy")
+    (tmp_path / "checkpoint" / "000001" / "policy.safetensors").write_text("flipped")
+    with folder.locked():
+        assert folder.policy.read_text() == "stands for a policy"
 
 
 def test_one_of_several_seeds_is_named_with_its_run(tmp_path):
