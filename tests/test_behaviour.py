@@ -120,7 +120,7 @@ def test_a_circle_below_a_length_is_asked_about():
     rudder = dataclasses.replace(RUDDER, A_R=4.0 * RUDDER.A_R, f_alpha=5.0)
     bad = dataclasses.replace(KVLCC2, name="mine", rudder=rudder)
     with pytest.raises(
-        ConfigError, match="35 deg of rudder to .*(astern|L wide; allowed is from 1)"
+        ConfigError, match=r"35 deg of rudder to .*(astern|L wide; allowed is from 1)"
     ):
         ShipSim(bad)
     ShipSim(dataclasses.replace(bad, strict=False))
