@@ -82,7 +82,9 @@ def check_own(folder: Path, names: Iterable[str]) -> None:
 def locked(path: str | os.PathLike, doing: str, what: str | os.PathLike = "") -> Iterator[None]:
     """Hold a folder by a lock file in it, which names the process; a dead one holds nothing.
 
-    Where the file system has no locks it goes on with a warning: two processes are not told apart.
+    A child that was forked meanwhile and lives on holds it, too. Where nothing was written beside
+    the lock file it is removed at the end, and with it the folders that were made for it. Where
+    the file system has no locks it goes on with a warning: two processes are not told apart.
 
     Parameters
     ----------
@@ -99,16 +101,47 @@ def locked(path: str | os.PathLike, doing: str, what: str | os.PathLike = "") ->
         Another process holds it; says which. Or the lock file is a link or no file.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    if other := "a link" if path.is_symlink() else unfit(path):
-        raise ConfigError(f"{path}: {other}; the lock is a file of its own")
+    with _taken_file(path, doing, what or path.parent) as file:
+        try:
+            yield
+        finally:
+            with contextlib.suppress(OSError):  # such as a folder that was removed
+                if os.listdir(path.parent) == [path.name]:
+                    _remove(file, path)
+
+
+@contextlib.contextmanager
+def _taken_file(path: Path, doing: str, what: str | os.PathLike) -> Iterator[IO[bytes]]:
+    """The lock file, open and locked; folders that were made for it and are empty are removed."""
+    made: list[Path] = []
+    try:
+        with _opened_and_taken(path, doing, what, made) as file:
+            yield file
+    finally:
+        for folder in made:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+
+
+@contextlib.contextmanager
+def _opened_and_taken(
+    path: Path, doing: str, what: str | os.PathLike, made: list[Path]
+) -> Iterator[IO[bytes]]:
+    """As `_taken_file`; puts the folders that it makes into `made`, the deepest first."""
     while True:
-        with open(path, "a+b", opener=_opened) as file:
-            if not _taken(file, what or path.parent):
+        try:
+            made[:0] = _made(path.parent)
+            if other := "a link" if path.is_symlink() else unfit(path):
+                raise ConfigError(f"{path}: {other}; the lock is a file of its own")
+            opened = open(path, "a+b", opener=_opened)
+        except FileNotFoundError:
+            continue  # who held it has just removed the folder
+        with opened as file:
+            if not _taken(file, what):
                 file.seek(0)
                 holder = file.read(20).decode("ascii", "replace").strip() or "unknown"
                 raise ConfigError(
-                    f"{what or path.parent}: another process (pid {holder}) {doing}; wait for it, "
+                    f"{what}: another process (pid {holder}) {doing}; wait for it, "
                     "or give another --out"
                 )
             if not is_there(file, path):
@@ -116,8 +149,30 @@ def locked(path: str | os.PathLike, doing: str, what: str | os.PathLike = "") ->
             file.truncate(0)
             file.write(f"{os.getpid()}\n".encode())
             file.flush()
-            yield
+            yield file
             return
+
+
+def _made(folder: Path) -> list[Path]:
+    """The folders that had to be made for a folder, itself included, the deepest first."""
+    if folder.is_dir():
+        return []
+    try:
+        folder.mkdir()
+    except FileNotFoundError:
+        above = _made(folder.parent)
+        return [*_made(folder), *above]
+    except FileExistsError:
+        if folder.is_file() or (folder.is_symlink() and not folder.exists()):
+            raise
+        return []  # another process was faster
+    return [folder]
+
+
+def _remove(file: IO[bytes], path: Path) -> None:
+    """Remove a lock file while it is held; one that another process has made since stays."""
+    if os.name != "nt" and is_there(file, path):  # Windows removes no open file
+        path.unlink()
 
 
 def _opened(name: str, flags: int) -> int:
@@ -132,7 +187,7 @@ def _taken(file: IO[bytes], what: str | os.PathLike) -> bool:
     except OSError as error:
         if error.errno not in _NO_LOCKS:
             raise
-        warnings.warn(f"{what}: {error.strerror}; nothing keeps others away", stacklevel=4)
+        warnings.warn(f"{what}: {error.strerror}; nothing keeps others away", stacklevel=8)
         return True
 
 
@@ -157,16 +212,12 @@ def held(path: str | os.PathLike, doing: str) -> Iterator[None]:
     """
     file = followed(Path(path))
     lock = file.with_name(f".{file.name}.lock")
-    new = [p for p in (lock.parent, *lock.parent.parents) if not p.exists()]
-    with locked(lock, doing, path):
+    with _taken_file(lock, doing, path) as held_file:
         try:
             yield
         finally:
-            if os.name != "nt":  # which removes no open file
-                lock.unlink(missing_ok=True)
-            for folder in new:  # nothing was written: none is left
-                with contextlib.suppress(OSError):
-                    folder.rmdir()
+            with contextlib.suppress(OSError):
+                _remove(held_file, lock)
 
 
 def take_lock(file: IO[bytes]) -> bool:

@@ -2,6 +2,7 @@ import contextlib
 import errno
 import os
 import pickle
+import shutil
 import socket
 import subprocess
 import sys
@@ -229,3 +230,40 @@ def test_a_full_disk_behind_an_error_of_a_library_is_found(tmp_path):
             raise RuntimeError("the writer broke")  # noqa: B904, as libraries do
     with pytest.raises(RuntimeError, match="another"), full_disk_named("x"):
         raise RuntimeError("another")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="removes no open file")
+def test_a_lock_leaves_nothing_where_nothing_was_written(tmp_path):
+    (tmp_path / "mine").mkdir()
+    for folder in ("mine", "runs/new"):
+        lock = tmp_path / folder / "lock"
+        with locked(lock, "trains"):
+            assert lock.is_file()
+            with pytest.raises(ConfigError), locked(lock, "trains"):
+                pytest.fail("was let in")
+            assert lock.is_file(), "who is refused removes nothing"
+    assert os.listdir(tmp_path) == ["mine"] and os.listdir(tmp_path / "mine") == []
+    with locked(tmp_path / "runs/lock", "trains"):
+        (tmp_path / "runs/card.json").write_text("{}")
+    assert sorted(os.listdir(tmp_path / "runs")) == ["card.json", "lock"]
+    with locked(lock, "trains"):  # another's, made since the folder was removed, stays
+        shutil.rmtree(lock.parent)
+        lock.parent.mkdir()
+        lock.write_text("1\n")
+    assert lock.read_text() == "1\n"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="removes no open file")
+def test_many_who_take_a_lock_at_once_hold_it_one_by_one(tmp_path):
+    take = (
+        "import os, sys; from ship_gym.provenance import locked; from ship_gym.config import "
+        f"ConfigError\nheld = {str(tmp_path / 'held')!r}\n"
+        "for _ in range(300):\n"
+        "    try:\n"
+        f"        with locked({str(tmp_path / 'run' / 'lock')!r}, 'trains'):\n"
+        "            os.close(os.open(held, os.O_CREAT | os.O_EXCL)); os.unlink(held)\n"
+        "    except ConfigError: pass\n"
+    )
+    both = [subprocess.Popen([sys.executable, "-c", take]) for _ in range(2)]
+    assert [one.wait() for one in both] == [0, 0]
+    assert os.listdir(tmp_path) == []
