@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from typing import Any
 
 from ship_gym.evaluation.episodes_table import arrow
 from ship_gym.provenance import atomic_path
@@ -30,3 +31,17 @@ def write_parquet(trajectory: Trajectory, path: str | os.PathLike) -> None:
     table = pa.table(dict(trajectory.columns), metadata={META: json.dumps(trajectory.meta)})
     with atomic_path(path) as temporary:
         parquet.write_table(table, temporary, compression="zstd")
+
+
+def read_meta(path: str | os.PathLike) -> dict[str, Any]:
+    """The meta of a recording that `write_parquet` wrote.
+
+    Raises
+    ------
+    ImportError
+        If pyarrow is not installed.
+    KeyError, ValueError
+        No parquet file, or one without meta.
+    """
+    _, parquet = arrow()
+    return json.loads((parquet.read_schema(path).metadata or {})[META])

@@ -128,6 +128,8 @@ def sources(runs: Sequence[Run]) -> list[dict[str, Any]]:
             "scenario": run.trajectory.meta.get("scenario"),
             "controller": run.trajectory.meta.get("controller"),
             "seed": run.trajectory.meta.get("seed"),
+            "ship": section(run.trajectory.meta, "ship").get("name"),
+            "config": run.trajectory.meta.get("config"),
             "content": content_hash(run.trajectory),
         }
         for run in runs

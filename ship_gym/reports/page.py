@@ -18,6 +18,7 @@ from urllib.parse import quote
 from ship_gym.provenance import atomic_path
 from ship_gym.text import paragraph, table
 
+GENERATOR = '<meta name="generator" content="Ship Gym">'  # by which a page is known
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #22303c; max-width: 70em; margin: 2em auto;
   padding: 0 1em; }
@@ -294,7 +295,7 @@ def html_page(title: str, under: str, sections: Sequence[Section]) -> str:
     body = "\n".join(parts)
     return (
         f'<!doctype html>\n<html lang="en-GB">\n<head><meta charset="utf-8">\n'
-        f'<meta name="viewport" content="width=device-width">\n'
+        f'<meta name="viewport" content="width=device-width">{GENERATOR}\n'
         f"<title>{escape(title)}</title>\n<style>{_STYLE}</style></head>\n"
         f'<body><h1>{escape(title)}</h1>\n<p class="under">{escape(under)}</p>\n'
         f"<nav>{links}</nav>\n{body}\n</body></html>\n"

@@ -26,6 +26,7 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.ships.trials import Trial
 from ship_gym.text import paragraph, percent, table
 
+SOURCE = "ship_gym, ship-gym trials; measured values: the ship files, with their sources"
 _CSV_COLUMNS = ("ship", "trial", "measure", "computed [unit]", "measured [unit]", "unit")
 _NOTE = "<!-- Written by `ship-gym trials`; run it again instead of editing. -->"
 
@@ -99,7 +100,7 @@ def write_values(found: Sequence[Comparison], path: str | Path, title: str = "")
     """Write computed and measured values as csv, to be read as another time's."""
     lines = [
         f"# title: {title or f'trials computed at commit {git_commit()}'}",
-        "# source: ship_gym, ship-gym trials; measured values: the ship files, with their sources",
+        f"# source: {SOURCE}",
         f"# obtained: computed at commit {git_commit()}",
         "# conventions: units of display, in the last column; directions in deg from the approach "
         "course, to starboard",

@@ -1,5 +1,6 @@
 """Results of other runs are kept unless --force is given; two at once are not let in."""
 
+import json
 import os
 import shutil
 from pathlib import Path
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from ship_gym_agents.cli import replace
 from ship_gym_agents.cli.replace import check_replaced
+from ship_gym_agents.cli.replace_read import result_in
 from ship_gym_agents.controllers import shipped_file
 from ship_gym_agents.gains_files import gains_path
 
@@ -18,6 +20,8 @@ from ship_gym.recording import Trajectory
 from ship_gym.ships.files import DATA
 
 EPISODE = {"controller": "pid", "seed": 3, "config": {"ship": "kcs", "duration": 60.0}}
+
+EVALUATED = {"scenario": {"duration": 60.0}, "ship": "kcs", "seeds": [1, 2], "controllers": ["pid"]}
 
 
 def history(path):
@@ -33,13 +37,13 @@ def made(name, tmp_path):
         return path, replace.gains("pid", "kcs", None)
     if path.suffix == ".safetensors":
         shutil.copyfile(shipped_file("ppo_kcs"), path)
-        return path, replace.result_in(Path(shipped_file("ppo_kcs")))
+        return path, result_in(Path(shipped_file("ppo_kcs")))
     if path.suffix == ".npz":
         shutil.copyfile(next((DATA / "kcs_model").glob("surrogate_*.npz")), path)
         return path, replace.surrogate("kcs", "kcs_model")
     if path.suffix == ".json":
-        path.write_text('{"controllers": {}, "differences": {}}')
-        return path, replace.EVALUATION
+        path.write_text(json.dumps({**EVALUATED, "differences": {}, "episodes": {}}))
+        return path, replace.evaluation(**EVALUATED)
     if path.suffix == ".rrd":
         pytest.importorskip("rerun")
     history(path)
@@ -50,7 +54,7 @@ OTHERS = {
     ".toml": replace.gains("pid", "kvlcc2", None),
     ".safetensors": replace.policy({"name": "another"}),
     ".npz": replace.wave_table("kcs_model", {}),
-    ".json": replace.BOUND,
+    ".json": replace.bound(EVALUATED),
     ".rrd": replace.recording("pid", 4, EPISODE["config"]),
     ".csv": replace.recording("pid", 3, EPISODE["config"] | {"duration": 90.0}),
 }
@@ -84,7 +88,7 @@ def test_the_same_is_replaced_and_anything_else_is_kept(tmp_path, suffix):
 def test_a_coarse_table_does_not_replace_a_fine_one(tmp_path):
     path = tmp_path / "waves.npz"
     shutil.copyfile(DATA / "kcs_model" / "waves.npz", path)
-    there = replace.result_in(path)
+    there = result_in(path)
     check_replaced(path, there, force=False)
     coarse = replace.wave_table("kcs_model", there.facts[2] | {"headings": 7})
     with pytest.raises(ConfigError, match=r"holds a wave table of kcs_model with other settings"):
@@ -122,6 +126,12 @@ def test_an_exported_model_is_known_by_its_policy(cli, tmp_path):
         ("simulate turning --csv mine.csv", b"t,heading\n"),
         ("fit-surrogate --out mine.npz", b"PK"),
         ("build-wave-table --out mine.npz", b"PK"),
+        ("trials --csv mine.csv", b"ship;trial\n"),
+        ("trials --out mine.md", b"# My notes\n"),
+        ("record --worst 1 --of 2 --out mine.csv", b"t,heading\n"),
+        ("record --seeds 7 --out .", b"mine"),
+        ("evaluate --controller pid --episodes 2 --record .", b"mine"),
+        ("simulate trials --ship kcs_model --csv mine.csv", b"t,heading\n"),
     ],
 )
 def test_a_file_of_the_user_is_kept_before_any_work(cli, tmp_path, words, of_another):

@@ -46,20 +46,21 @@ def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out
     from ship_gym.evaluation import evaluation_seeds
     from ship_gym.provenance import held
     from ship_gym_agents.cli.output import place, progress, show
-    from ship_gym_agents.cli.replace import BOUND, check_replaced
+    from ship_gym_agents.cli.replace import Named, bound
     from ship_gym_agents.cli.sailing import own_task, resolved, wanted
 
-    check_replaced(out, BOUND, force)
-    out = place(out, "runs/bound.json")
+    named, out = Named(out, force), place(out, "runs/bound.json")
     name = own_task(task)
     env = wanted(options, name)
     scenario = resolved(env, name)
     made = _controllers(scenario, controllers)
+    asked = _asked(scenario, made, evaluation_seeds(seeds), measure, iterations, lambdas)
+    named.check(bound(asked))
     how = {"seeds": evaluation_seeds(seeds), "iterations": iterations, **env}
     how |= {"progress": lambda steps, text: progress(steps, text, iterations)}
     with held(out, "works on this file"):
         found = _front(made, measure, lambdas, how) if lambdas else _best(made, measure, how)
-        text = found.pop("text")
+        found, text = {"bound": asked, **found}, found.pop("text")
         _write(found, out)
     show(as_json, {**found, "file": str(out)}, f"{text}\n\nwrote {out}")
 
@@ -75,6 +76,22 @@ def _controllers(scenario: Any, named: Any) -> list:
     for controller in made:
         controller.reset(1, ship, scenario)
     return made
+
+
+def _asked(scenario, controllers, seeds, measure, iterations, lambdas) -> dict[str, Any]:
+    """What was asked for, as plain values: by it the file is known."""
+    from ship_gym.ships.loader import load_ship
+    from ship_gym.tasks import TASKS
+
+    return {
+        "scenario": scenario.to_dict(),
+        "ship": load_ship(scenario.ship, surrogate=scenario.surrogate).name,
+        "seeds": list(seeds),
+        "measure": measure or TASKS[scenario.task].headline,
+        "controllers": [controller.name for controller in controllers],
+        "iterations": iterations,
+        "lambdas": list(lambdas),
+    }
 
 
 def _best(controllers: list, measure: str | None, how: dict[str, Any]) -> dict[str, Any]:

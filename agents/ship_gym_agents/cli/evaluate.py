@@ -55,15 +55,14 @@ def command(
     from ship_gym.evaluation import compare, evaluation_seeds
     from ship_gym_agents.cli import evaluate_episodes as shown
     from ship_gym_agents.cli.output import place, show
-    from ship_gym_agents.cli.replace import EVALUATION, check_replaced
+    from ship_gym_agents.cli.replace import Named
     from ship_gym_agents.cli.review.files import next_review
 
     shown.check_which(which, record)
-    check_replaced(out, EVALUATION, force)
+    file = Named(out, force)
     out = place(out, _folder(policies) / "evaluation.json")
     seeds = evaluation_seeds(episodes)
-    files_of_each = record is not None
-    named, rollouts = _sail([*policies], [*controllers], seeds, task, options, files_of_each)
+    named, rollouts = _sail([*policies], [*controllers], seeds, task, options, file, record)
     sailed = [r.controller for r in rollouts]
     usual = rollouts[0].task.controllers[0]
     found = compare(rollouts, usual if usual in sailed else None)
@@ -115,11 +114,13 @@ def _sail(
     seeds: list[int],
     task: str | None,
     options: dict,
-    files_of_each: bool,
+    file: Any,
+    record: Path | None,
 ) -> tuple[list[str], list]:
     """The controllers as named and a rollout of each, all refused before the first one sails."""
-    from ship_gym.evaluation.recordings import check_told_apart
+    from ship_gym.evaluation.recordings import check_told_apart, file_name
     from ship_gym.evaluation.rollout import begin
+    from ship_gym_agents.cli.replace import check_recordings, evaluation
     from ship_gym_agents.cli.sailing import check_task, known_to, own_task, ready, wanted
     from ship_gym_agents.entrants import controllers_of
 
@@ -129,8 +130,13 @@ def _sail(
     check_task(start.scenario.task, name, options["scenario"])
     named = [*policies, *(one for one in others or start.task.controllers if one)]
     controllers = controllers_of(named)
-    if files_of_each:
-        check_told_apart([controller.name for controller in controllers])
+    names = [controller.name for controller in controllers]
+    config = start.scenario.to_dict()
+    file.check(evaluation(config, start.ship.name, seeds, names))
+    if record is not None:
+        check_told_apart(names)
+        to = lambda name, seed: record / file_name(name, seed)  # noqa: E731
+        check_recordings(to, names, seeds, config, file.force, "--record")
     ready(controllers, start, seeds)
     return named, [_sailed(controller, seeds, env) for controller in controllers]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
@@ -74,16 +73,9 @@ def command(
     places = Places(out, len(named) * each > 1)
     if places.suffix == ".rrd":
         need("rerun")
-    one = None if out is None or places.many else out
-    found, why = _record(named, task, seeds, pick, places, options, _Named(one, force))
+    force = force or out is None
+    found, why = _record(named, task, seeds, pick, places, options, force)
     show(as_json, *_told(found, why, places, task))
-
-
-class _Named(NamedTuple):
-    """The one file that was named, and whether it may hold anything."""
-
-    file: Path | None
-    force: bool
 
 
 class _Plan(NamedTuple):
@@ -102,24 +94,27 @@ def _record(
     pick: Pick,
     places: Places,
     options,
-    out: _Named,
+    force: bool,
 ) -> tuple[list, list[dict]]:
-    """Recordings, and why each was kept; all is refused before the first ship sails."""
+    """Recordings, and why each was kept; all is refused before the first ship sails.
+
+    With `force` the files may hold anything.
+    """
     from ship_gym.config import ConfigError
     from ship_gym.evaluation.recordings import check_told_apart
     from ship_gym.evaluation.rollout import begin
-    from ship_gym_agents.cli.replace import check_replaced, recording
+    from ship_gym_agents.cli.replace import check_recordings
     from ship_gym_agents.cli.sailing import known_to, own_task, ready, resolved, wanted
     from ship_gym_agents.entrants import controllers_of
 
     name = own_task(task)
     controllers = controllers_of(named)
-    check_told_apart([controller.name for controller in controllers])
+    names = [controller.name for controller in controllers]
+    check_told_apart(names)
     env = wanted(options, name, known_to(named)[1])
     scenario = resolved(env, name)
-    if not pick.most:
-        result = recording(controllers[0].name, seeds[0], scenario.to_dict())
-        check_replaced(out.file, result, out.force)
+    any_seed = [None] if pick.most and not places.many else seeds  # which one is kept is not known
+    check_recordings(places.of, names, any_seed, scenario.to_dict(), force)
     sailed_task = scenario.task
     ready(controllers, begin(seeds[:1], **env), seeds)
     plan = _Plan(seeds, pick, places, env)

@@ -1,14 +1,14 @@
 """Whether a file that was named may be replaced: only one that holds the same thing, or --force.
 
 A result says what it is: a policy which one, gains their controller and ship, a table its ship,
-a recording its controller, seed and scenario. Pictures and pages are drawn from results and say
-nothing; they are replaced.
+a recording its controller, seed and scenario; ``replace_read`` reads it from a file. Pictures are
+drawn from results and say nothing; they are replaced.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,10 +16,24 @@ from ship_gym.config import ConfigError
 
 
 class Result(NamedTuple):
-    """What a file holds: in words, and plain values by which two are the same."""
+    """What a file holds: in words, and plain values by which two are the same.
+
+    One that is to be written may have only the first of them: the rest is not known yet.
+    """
 
     words: str
-    facts: Any
+    facts: Sequence[Any]
+
+
+class Named(NamedTuple):
+    """A file that was named, None if none was, and whether it may hold anything."""
+
+    file: Path | None
+    force: bool
+
+    def check(self, result: Result, option: str = "--out") -> None:
+        """As `check_replaced`."""
+        check_replaced(self.file, result, self.force, option)
 
 
 def check_replaced(path: Path | None, result: Result, force: bool, option: str = "--out") -> None:
@@ -43,28 +57,48 @@ def check_replaced(path: Path | None, result: Result, force: bool, option: str =
     """
     if path is None or force or not path.is_file() or path.stat().st_size == 0:
         return
+    from ship_gym_agents.cli.replace_read import result_in
+
     there = result_in(path)
-    if there is None or _plain(there.facts) != _plain(result.facts):
+    if there is None or _plain(there.facts)[: len(result.facts)] != _plain(result.facts):
         words = "no such result" if there is None else there.words
         if words == result.words:
             words += " with other settings"
         raise ConfigError(f"{option} {path}: holds {words}, not {result.words}; see --force")
 
 
+def check_recordings(
+    file_of: Callable[[str, Any], Path],
+    controllers: Iterable[str],
+    seeds: Sequence[int | None],
+    config: Mapping[str, Any],
+    force: bool,
+    option: str = "--out",
+) -> None:
+    """Refuse to replace other recordings in a folder that was named.
+
+    Parameters
+    ----------
+    file_of : callable
+        The file of a controller and a seed.
+    controllers : iterable of str
+    seeds : sequence of int or None
+        Of all episodes that may be recorded; None: any.
+    config : mapping
+        The scenario.
+    force : bool
+    option : str
+    """
+    for name in controllers:
+        for seed in seeds:
+            check_replaced(file_of(name, seed), recording(name, seed, config), force, option)
+
+
 def _plain(facts: Any) -> Any:
     return json.loads(json.dumps(facts, default=str))
 
 
-def result_in(path: Path) -> Result | None:
-    """What a file of a result holds; None: nothing that Ship Gym has written."""
-    reader = _READERS.get(path.suffix.lower())
-    try:
-        return reader(path) if reader else None
-    except Exception:  # whatever a reader says: it is no such result
-        return None
-
-
-def policy(card: dict[str, Any]) -> Result:
+def policy(card: Mapping[str, Any]) -> Result:
     """A policy, by its card."""
     return Result(f"the policy {card['name']}", ["policy", card["name"], card.get("config")])
 
@@ -74,7 +108,7 @@ def gains(controller: str, ship: str, task: str | None) -> Result:
     return Result(f"gains of {controller} for {ship}", ["gains", controller, ship, task])
 
 
-def wave_table(ship: str, grid: dict[str, Any]) -> Result:
+def wave_table(ship: str, grid: Mapping[str, Any]) -> Result:
     """A table of drift forces and motions; a coarse one is another than a fine one of hours."""
     return Result(f"a wave table of {ship}", ["wave table", ship, grid])
 
@@ -84,93 +118,56 @@ def surrogate(data: str, ship: str) -> Result:
     return Result(f"a surrogate of {data} for {ship}", ["surrogate", data, ship])
 
 
-def recording(controller: str, seed: int, config: dict[str, Any]) -> Result:
-    """An episode, by its scenario."""
-    words = f"a recording of {controller}, {config['ship']}, seed {seed}"
-    return Result(words, ["recording", controller, seed, config])
+def recording(controller: str, seed: int | None, config: Mapping[str, Any]) -> Result:
+    """An episode, by its scenario; of any seed if None is given."""
+    words = f"a recording of {controller}, {config['ship']}"
+    facts = ["recording", controller, config]
+    return Result(words, facts) if seed is None else Result(f"{words}, seed {seed}", [*facts, seed])
 
 
 def manoeuvre(ship: str) -> Result:
-    """A manoeuvre of a ship."""
+    """A manoeuvre of a ship that is yet to be sailed."""
     return Result(f"a manoeuvre of {ship}", ["manoeuvre", ship])
 
 
-EVALUATION = Result("an evaluation", "evaluation")
-BOUND = Result("an estimate of the bound", "bound")
+def history(meta: Mapping[str, Any]) -> Result:
+    """A time history, by its meta: an episode, a manoeuvre with all that was set, or another."""
+    config, ship = meta.get("config"), meta.get("ship")
+    if isinstance(config, Mapping) and "controller" in meta and "ship" in config:
+        return recording(meta["controller"], meta.get("seed"), config)
+    if isinstance(ship, Mapping) and {"name", "surrogate", "variant"} <= ship.keys():
+        task = meta.get("task")
+        facts = ["manoeuvre", ship["name"], task, ship["surrogate"], ship["variant"], config]
+        return Result(f"the manoeuvre {task} of {ship['name']}", facts)
+    return Result("a time history", ["history", meta.get("task"), ship, config, meta.get("seed")])
 
 
-def _policy_in(path: Path) -> Result:
-    from ship_gym_agents.policies.policy_file import read_card
-
-    return policy(read_card(path))
-
-
-def _onnx_in(path: Path) -> Result:
-    from ship_gym_agents.policies.onnx_export import exported_card
-
-    return policy(exported_card(path))
+def comparison(sources: Sequence[Mapping[str, Any]]) -> Result:
+    """A comparison of recordings, by what ``comparison_card.sources`` says of them."""
+    names = ", ".join(str(one.get("name")) for one in sources)
+    keys = ("name", "controller", "seed", "ship", "config")
+    facts = [[one.get(key) for key in keys] for one in sources]
+    return Result(f"a comparison of {names}", ["comparison", facts])
 
 
-def _gains_in(path: Path) -> Result:
-    from ship_gym.reading import read_toml
-
-    found = read_toml(path)
-    found["gains"], found["tuning"]
-    return gains(found.get("controller", "pid"), found["ship"], found.get("task"))
-
-
-def _table_in(path: Path) -> Result:
-    from ship_gym.sea.wave_table import WaveTable
-    from ship_gym.tables import Table
-
-    try:
-        card = WaveTable.load(path).card
-        return wave_table(card["ship"], card["grid"])
-    except ConfigError:
-        card = Table.load(path).card
-        return surrogate(card["data"], card["made_for"]["ship"])
+def evaluation(
+    scenario: Mapping[str, Any], ship: str, seeds: Sequence[int], controllers: Iterable[str]
+) -> Result:
+    """An evaluation, by what was sailed."""
+    return Result(f"an evaluation of {ship}", ["evaluation", scenario, ship, seeds, [*controllers]])
 
 
-def _history_in(path: Path) -> Result:
-    from ship_gym.recording import Trajectory
-
-    return _history(Trajectory.from_file(path).meta)
-
-
-def _csv_in(path: Path) -> Result:
-    from ship_gym.reading import read_text
-
-    head, lines = [], read_text(path).splitlines()
-    if not lines[0].startswith("# Ship Gym trajectory"):
-        raise ValueError("not a time history of Ship Gym")
-    for line in lines[1:]:
-        if not line.startswith("# "):
-            break
-        head.append(line[2:])
-    return _history(json.loads("\n".join(head)))
+def bound(asked: Mapping[str, Any]) -> Result:
+    """An estimate of the bound, by what was asked for."""
+    return Result(f"an estimate of the bound of {asked['ship']}", ["bound", asked])
 
 
-def _history(meta: dict[str, Any]) -> Result:
-    if "controller" in meta:
-        return recording(meta["controller"], meta["seed"], meta["config"])
-    return manoeuvre(meta["ship"]["name"])
+def trials(ships: Iterable[str]) -> Result:
+    """Computed values of the trials of ships."""
+    ships = sorted(set(ships))
+    return Result(f"values of the trials of {', '.join(ships)}", ["trials", ships])
 
 
-def _json_in(path: Path) -> Result | None:
-    from ship_gym.reading import read_json
-
-    found = read_json(path)
-    if {"front", "headroom_percent"} & found.keys():
-        return BOUND
-    return EVALUATION if {"controllers", "differences"} <= found.keys() else None
-
-
-_READERS: dict[str, Callable[[Path], Result | None]] = {
-    ".safetensors": _policy_in,
-    ".onnx": _onnx_in,
-    ".toml": _gains_in,
-    ".npz": _table_in,
-    ".rrd": _history_in,
-    ".csv": _csv_in,
-    ".json": _json_in,
-}
+def page(verb: str) -> Result:
+    """A page that a verb writes; it is drawn from results, so that which ones does not matter."""
+    return Result(f"a page of ship-gym {verb}", ["page", verb])

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ship_gym_agents.cli.options import out, verb
+from ship_gym_agents.cli.options import force, out, verb
 from ship_gym_agents.cli.values import whole
 
 
@@ -25,7 +25,8 @@ from ship_gym_agents.cli.values import whole
     default=24,
     help="Pictures of best, median and worst episodes, sailed again.",
 )
-def command(as_json, results, out, markdown, episodes) -> None:
+@force()
+def command(as_json, results, out, markdown, episodes, force) -> None:
     """Write the page of a benchmark from its results, a file or the folder of a run.
 
     The HTML page holds all pictures and needs no network.
@@ -37,8 +38,13 @@ def command(as_json, results, out, markdown, episodes) -> None:
 
     need("pyarrow", "matplotlib")
     from ship_gym.evaluation.report import write_markdown, write_report
+    from ship_gym_agents.cli.replace import check_replaced, page
     from ship_gym_agents.sail_again import sail_again
 
+    check_replaced(out, page("report"), force)
+    check_replaced(markdown, page("report"), force, "--markdown")
+    if markdown and not force and not markdown.is_file():
+        _check_pictures(markdown)
     found = read_results(results)
     if markdown:
         words = ["ship-gym", "report", str(results), "--markdown", str(markdown)]
@@ -50,3 +56,15 @@ def command(as_json, results, out, markdown, episodes) -> None:
         write_report(found, files[0], sail=sail_again, pictures=episodes, progress=bar)
     data = {"episodes": found.table.num_rows, "files": [str(file) for file in files]}
     show(as_json, data, "\n".join(f"wrote {file}" for file in files))
+
+
+def _check_pictures(page: Path) -> None:
+    """Refuse a new page beside a folder of pictures of another one, which would be removed."""
+    from ship_gym.config import ConfigError
+
+    folder = page.with_suffix("")
+    if other := next(folder.glob("*.png"), None):
+        raise ConfigError(
+            f"--markdown {page}: its pictures go to {folder}, which holds others such as "
+            f"{other.name}; see --force"
+        )

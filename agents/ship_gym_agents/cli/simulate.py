@@ -20,6 +20,7 @@ _SAILED = (
     *("delta_deg", "psi_deg", "order", "wave_height", "wavelength", "wave_from_deg"),
     *("loading", "csv", "rrd"),
 )
+_HISTORIES = ("csv", "rrd")  # files that are results, not pictures
 _LOADING_COLOUR = {"turning_circle": "t", "zigzag": "delta"}
 
 
@@ -81,25 +82,33 @@ def command(
     """
     from ship_gym.reports.handling import KINDS
 
-    for option, file in (("--csv", csv), ("--rrd", rrd)):
-        _check_replaced(file, ship, option, force)
+    files = {"out": out, "loading": loading, "csv": csv, "rrd": rrd}
     if what in KINDS:
-        files = {"out": out, "loading": loading, "csv": csv, "rrd": rrd}
-        return _handling(as_json, what, ship, (surrogate, variant), files, options)
-    return _turns(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, options)
+        return _handling(as_json, what, ship, (surrogate, variant), files, force, options)
+    return _turns(as_json, what, ship, surrogate, variant, files, force, options)
 
 
-def _check_replaced(file: Path | None, ship: str, option: str, force: bool) -> None:
-    """Refuse a file that holds no manoeuvre of this ship."""
-    if file is None or not file.is_file():
-        return
-    from ship_gym.ships.loader import load_ship
+def _check_ship(files: dict[str, Path | None], ship: str, force: bool) -> None:
+    """Refuse, before any work, files that hold no manoeuvre of this ship."""
     from ship_gym_agents.cli.replace import check_replaced, manoeuvre
 
-    check_replaced(file, manoeuvre(load_ship(ship).name), force, option)
+    for name in _HISTORIES:
+        check_replaced(files[name], manoeuvre(ship), force, f"--{name}")
 
 
-def _handling(as_json, what, ship, sets, files, options) -> None:
+def _check_same(files: dict[str, Path | None], case: Any, force: bool) -> None:
+    """Refuse, before anything is written, files that hold another manoeuvre than this one."""
+    from ship_gym_agents.cli.replace import check_replaced, history
+
+    for name in _HISTORIES:
+        check_replaced(files[name], history(case.result.trajectory.meta), force, f"--{name}")
+
+
+def _numbered(files: dict[str, Path | None], number: str) -> dict[str, Path | None]:
+    return {name: path and path.with_stem(path.stem + number) for name, path in files.items()}
+
+
+def _handling(as_json, what, ship, sets, files, force, options) -> None:
     """Sail, print and draw one of ``reports.handling.KINDS``."""
     from ship_gym.manoeuvres import recording
     from ship_gym.plotting.handling import plot_handling
@@ -113,7 +122,9 @@ def _handling(as_json, what, ship, sets, files, options) -> None:
     _refuse_given("loading", files["loading"], f"it is not of {what}")
     picture = place(files["out"], Path("runs") / f"{what}.png")
     vessel = load_ship(ship, surrogate=sets[0], variant=sets[1])
+    _check_ship(files, vessel.name, force)
     case = handling.sail_handling(vessel, what, **options)
+    _check_same(files, case, force)
     history = case.result.trajectory
     jobs = (
         (picture, lambda path: plot_handling(case, path)),
@@ -128,31 +139,37 @@ def _handling(as_json, what, ship, sets, files, options) -> None:
     show(as_json, handling.as_dict(case) | {"files": names}, text)
 
 
-def _turns(as_json, what, ship, surrogate, variant, out, loading, csv, rrd, options) -> None:
+def _turns(as_json, what, ship, surrogate, variant, files, force, options) -> None:
     """Sail, print and draw turning circle, zig-zag or trials."""
     from ship_gym.reports import manoeuvre as report
     from ship_gym_agents.cli.output import check_different, need, place, progress, show
 
-    need("matplotlib", *(["rerun"] if rrd else []))
-    check_different(out=out, loading=loading)
-    extras = {"loading": loading, "csv": csv, "rrd": rrd}
+    need("matplotlib", *(["rerun"] if files["rrd"] else []))
+    out = files["out"]
+    check_different(out=out, loading=files["loading"])
+    extras = {key: files[key] for key in ("loading", "csv", "rrd")}
     captive = {key: options.pop(key) for key in ("test", "measured")}
     if what == "captive":
         return _captive(as_json, ship, surrogate, variant, out, options | extras, captive)
     for name, value in captive.items():
         _refuse_given(name, value, "belongs to captive")
-    cases, files = [], []
-    jobs = _jobs(what, ship, surrogate, variant, options)
+    vessel, jobs = _jobs(what, ship, surrogate, variant, options)
+    numbers = [f"_{k}" for k in range(1, len(jobs) + 1)] if what == "trials" else [""]
+    for number in numbers:
+        _check_ship(_numbered(files, number), vessel.name, force)
     place(out, Path("runs") / f"{what}.png")  # the folder is the same for all
-    for k, job in enumerate(progress(jobs, "sailing"), start=1):
-        cases.append(job())
-        files.append(_write(cases[-1], out, extras, f"_{k}" if what == "trials" else ""))
-    found = [report.as_dict(c) | {"files": f} for c, f in zip(cases, files, strict=True)]
+    cases = [job() for job in progress(jobs, "sailing")]
+    sailed = list(zip(cases, numbers, strict=True))
+    for case, number in sailed:
+        _check_same(_numbered(files, number), case, force)
+    written = [_write(case, files, number) for case, number in sailed]
+    every = [file for each in written for file in each]
+    found = [report.as_dict(c) | {"files": f} for c, f in zip(cases, written, strict=True)]
     data = {"trials": found} if what == "trials" else found[0]
     show(
         as_json,
         data,
-        report.all_as_text(cases, files, ship) + _next([file for each in files for file in each]),
+        report.all_as_text(cases, written, ship) + _next(every),
     )
 
 
@@ -184,8 +201,10 @@ def _captive(as_json, ship, surrogate, variant, out, options: dict, own: dict) -
     captive(as_json, vessel, speed=options["speed"], n=options["n"], out=out, **own)
 
 
-def _jobs(what: str, ship: str, surrogate: str | None, variant: str | None, options: dict) -> list:
-    """What is to be sailed, each as a function without arguments."""
+def _jobs(
+    what: str, ship: str, surrogate: str | None, variant: str | None, options: dict
+) -> tuple[Any, list]:
+    """The ship, and what is to be sailed, each as a function without arguments."""
     from ship_gym.config import ConfigError, check_known
     from ship_gym.reports.case import MANOEUVRES, sail, sail_trial, trials
     from ship_gym.reports.handling import KINDS
@@ -195,15 +214,15 @@ def _jobs(what: str, ship: str, surrogate: str | None, variant: str | None, opti
     _refuse_given("order", options.pop("order"), "it is of a crash stop")
     vessel = load_ship(ship, surrogate=surrogate, variant=variant)
     if what != "trials":
-        return [lambda: sail(vessel, what, **options)]
+        return vessel, [lambda: sail(vessel, what, **options)]
     given = [key for key in _OPTIONS if key != "sea" and options[key] is not None]
     given += ["sea"] if options["sea"] != "calm" else []
     if given:
         raise ConfigError(f"{given[0]}: trials are sailed as measured; leave it out")
-    return [lambda t=t: sail_trial(vessel, t) for t in trials(vessel)]
+    return vessel, [lambda t=t: sail_trial(vessel, t) for t in trials(vessel)]
 
 
-def _write(case: Any, out: Path | None, extras: dict[str, Path | None], number: str) -> list[str]:
+def _write(case: Any, files: dict[str, Path | None], number: str) -> list[str]:
     """Write the picture and what else was asked for; return the paths, numbered if several."""
     from ship_gym.manoeuvres import recording
     from ship_gym.plotting import plot_manoeuvre
@@ -216,10 +235,10 @@ def _write(case: Any, out: Path | None, extras: dict[str, Path | None], number: 
     in_waves = case.calm is not None and case.manoeuvre == "turning_circle"
     draw = plot_turning_in_waves if in_waves else plot_manoeuvre
     jobs = (
-        (out or Path("runs") / f"{case.manoeuvre}.png", lambda path: draw(case, path)),
-        (extras["loading"], lambda path: plot_loading(history, case.ship, path, **what)),
-        (extras["csv"], history.to_csv),
-        (extras["rrd"], lambda path: recording(case.result).to_rrd(path)),
+        (files["out"] or Path("runs") / f"{case.manoeuvre}.png", lambda path: draw(case, path)),
+        (files["loading"], lambda path: plot_loading(history, case.ship, path, **what)),
+        (files["csv"], history.to_csv),
+        (files["rrd"], lambda path: recording(case.result).to_rrd(path)),
     )
     paths = [(path.with_stem(path.stem + number), job) for path, job in jobs if path]
     for path, job in paths:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ship_gym_agents.cli.options import Several, out, verb
+from ship_gym_agents.cli.options import Several, force, out, verb
 from ship_gym_agents.cli.values import Name
 
 
@@ -31,7 +31,8 @@ from ship_gym_agents.cli.values import Name
 @out(".md", "Also write the table as a page.")
 @out(".png", "Also draw all differences with the scatter of the facilities.", "--plot")
 @out(".csv", "Also write the computed values, for a later --before.", "--csv")
-def command(as_json, ships, before, out, plot, csv) -> None:
+@force()
+def command(as_json, ships, before, out, plot, csv, force) -> None:
     """Sail every trial of every ship and compare, with the scatter of the facilities.
 
     One table: measured values with their standard deviation, what is computed, and what was when
@@ -41,12 +42,16 @@ def command(as_json, ships, before, out, plot, csv) -> None:
     from ship_gym.reports import trials as report
     from ship_gym.reports.case import sail_trial, trials
     from ship_gym.ships.loader import load_ship
+    from ship_gym_agents.cli import replace
     from ship_gym_agents.cli.output import need, progress, show
 
     need(*(["matplotlib"] if plot else []))
     values, title = report.read_values(before) if before else ({}, "")
     vessels = [load_ship(name) for name in ships or report.tested_ships()]
     jobs = [(vessel, trial) for vessel in vessels for trial in trials(vessel)]
+    replace.check_replaced(out, replace.page("trials"), force)
+    sailed = replace.trials(vessel.name for vessel, _ in jobs)
+    replace.check_replaced(csv, sailed, force, "--csv")
     found, sources = [], {}
     for vessel, trial in progress(jobs, "sailing"):
         found += report.comparisons(sail_trial(vessel, trial), values)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ship_gym_agents.cli.options import out, verb
+from ship_gym_agents.cli.options import force, out, verb
 from ship_gym_agents.cli.review.files import files
 from ship_gym_agents.cli.values import Name
 
@@ -27,16 +27,18 @@ _USUAL = "runs/compare.rrd"
 @click.option("--task", type=Name("tasks"), help="Their task, if it is your own FILE.py[:NAME].")
 @out(".png", "Draw it, too, by rerun's viewer.", name="--picture")
 @click.option("--show", "shown", is_flag=True, help="Show it, too, in a window.")
-def command(as_json, files, out, task, picture, shown) -> None:
+@force()
+def command(as_json, files, out, task, picture, shown, force) -> None:
     """Compare runs: metrics side by side, and one recording with all of them.
 
     Two or more FILEs of one seed; differences are against the first. The recording has them
     aligned in time, the differences plotted, the others as ghost ships.
     """
     from ship_gym.recording.comparison import labels, runs_of
-    from ship_gym.recording.comparison_card import content_hash, notes
+    from ship_gym.recording.comparison_card import content_hash, notes, sources
     from ship_gym.recording.trajectory import import_rerun_export
     from ship_gym_agents.cli.output import need, place, progress, show
+    from ship_gym_agents.cli.replace import Named, comparison
     from ship_gym_agents.cli.review.files import recorded
     from ship_gym_agents.cli.review.metrics import measured
     from ship_gym_agents.cli.review.show import check_screen
@@ -45,7 +47,7 @@ def command(as_json, files, out, task, picture, shown) -> None:
     need("rerun")
     import_rerun_export()
     own_task(task)
-    out = place(out, _USUAL)
+    named, out = Named(out, force), place(out, _USUAL)
     _check_files(files, out)
     if shown:
         check_screen(files, "--show: ")
@@ -53,6 +55,7 @@ def command(as_json, files, out, task, picture, shown) -> None:
     values = [measured(run, path).metrics for run, path in zip(runs, files, strict=True)]
     names = labels(runs)
     told = [*notes(runs_of(runs, names))]
+    named.check(comparison(sources(runs_of(runs, names))))
     _write(runs, names, out, picture)
     written = [str(path) for path in (out, picture) if path]
     rows = zip(files, names, values, map(content_hash, runs), strict=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ship_gym_agents.cli.options import verb
+from ship_gym_agents.cli.options import force, verb
 from ship_gym_agents.cli.review.files import files
 
 if TYPE_CHECKING:
@@ -35,7 +35,8 @@ formats:
 @click.option(
     "--out", type=click.Path(path_type=Path), help="File, or folder of several; default: beside."
 )
-def command(as_json, files, kind, out) -> None:
+@force()
+def command(as_json, files, kind, out, force) -> None:
     """Write recordings as csv, parquet, png or mp4.
 
     The extension of --out says the format, too. A run that was broken off is written as far as it
@@ -48,6 +49,8 @@ def command(as_json, files, kind, out) -> None:
     kind = _format(kind, out, len(files))
     targets = _targets(files, kind, out)
     need(*_NEEDED.get(kind, ()))
+    if not force and kind in _TABLES:
+        _check_replaced(files, targets)
     for path, target in progress(list(zip(files, targets, strict=True)), "writing"):
         FORMATS[kind](recorded(path), target)
     written = [str(target) for target in targets]
@@ -89,6 +92,16 @@ def _targets(paths: Sequence[Path], kind: str, out: Path | None) -> list[Path]:
     return [check_place(path, "--out") for path in found]
 
 
+def _check_replaced(paths: Sequence[Path], targets: Sequence[Path]) -> None:
+    """Refuse files that hold something else than the table of their recording."""
+    from ship_gym_agents.cli.replace import check_replaced, history
+    from ship_gym_agents.cli.review.files import recorded
+
+    for path, target in zip(paths, targets, strict=True):
+        if target.is_file():
+            check_replaced(target, history(recorded(path).meta), False)
+
+
 def _csv(run: Trajectory, path: Path) -> None:
     run.to_csv(path)
 
@@ -118,4 +131,5 @@ FORMATS: dict[str, Callable[[Trajectory, Path], None]] = {
     "png": _png,
     "mp4": _mp4,
 }
+_TABLES = ("csv", "parquet")  # the others are pictures
 _NEEDED = {"parquet": ("pyarrow",), "png": ("matplotlib",), "mp4": ("av", "PIL")}
