@@ -117,31 +117,30 @@ def test_an_exported_model_is_known_by_its_policy(cli, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "of_another"),
+    ("words", "file", "of_another"),
     [
-        ("tune --ship kcs --out mine.toml", b'title = "my ship"\n'),
-        ("bound --out mine.json", b'{"my": 1}'),
-        ("evaluate --out mine.json", b'{"my": 1}'),
-        ("record --out mine.csv", b"t,heading\n"),
-        ("simulate turning --csv mine.csv", b"t,heading\n"),
-        ("fit-surrogate --out mine.npz", b"PK"),
-        ("build-wave-table --out mine.npz", b"PK"),
-        ("trials --csv mine.csv", b"ship;trial\n"),
-        ("trials --out mine.md", b"# My notes\n"),
-        ("record --worst 1 --of 2 --out mine.csv", b"t,heading\n"),
-        ("record --seeds 7 --out .", b"mine"),
-        ("evaluate --controller pid --episodes 2 --record .", b"mine"),
-        ("simulate trials --ship kcs_model --csv mine.csv", b"t,heading\n"),
+        ("tune --ship kcs --out mine.toml", "mine.toml", b'title = "my ship"\n'),
+        ("bound --out mine.json", "mine.json", b'{"front": 1, "bound": 2}'),
+        ("evaluate --out mine.json", "mine.json", b'{"controllers": {}, "differences": {}}'),
+        ("evaluate --controller pid --record .", "pid-2000031.rrd", b"mine"),
+        ("record --out mine.csv", "mine.csv", b"t,heading\n"),
+        ("record --worst 1 --of 2 --out mine.csv", "mine.csv", b"t,heading\n"),
+        ("record --seeds 7 --out .", "pid-2000006.rrd", b"mine"),
+        ("simulate turning --csv mine.csv", "mine.csv", b"t,heading\n"),
+        ("simulate trials --csv mine.csv", "mine_2.csv", b"t,heading\n"),
+        ("trials --csv mine.csv", "mine.csv", b"ship;trial\n"),
+        ("trials --out mine.md", "mine.md", b"# My notes\n"),
+        ("fit-surrogate --out mine.npz", "mine.npz", b"PK"),
+        ("build-wave-table --out mine.npz", "mine.npz", b"PK"),
     ],
 )
-def test_a_file_of_the_user_is_kept_before_any_work(cli, tmp_path, words, of_another):
+def test_a_file_of_the_user_is_kept_before_any_work(cli, tmp_path, words, file, of_another):
     needed = {"tune": "optuna", "build-wave-table": "capytaine"}
     pytest.importorskip(needed.get(words.split()[0], "numpy"))
-    file = tmp_path / words.split()[-1]
-    file.write_bytes(of_another)
+    (tmp_path / file).write_bytes(of_another)
     code, out, err = cli(*words.split())
     assert (code, out, err.count("\n")) == (2, "", 1) and "--force" in err, err
-    assert file.read_bytes() == of_another and os.listdir(tmp_path) == [file.name]
+    assert (tmp_path / file).read_bytes() == of_another and os.listdir(tmp_path) == [file]
 
 
 @pytest.mark.parametrize(
@@ -165,3 +164,42 @@ def test_a_second_process_is_refused_at_once(cli, words, library, lock):
         code, out, err = cli(*words.split())
     last = err.strip().splitlines()[-1]
     assert (code, out) == (2, "") and f"another process (pid {os.getpid()})" in last, err
+
+
+SHORT = "--set duration=60 sensors.noise=false"
+LONGER = SHORT.replace("60", "400")
+_LONG = ("bound", "simul", "trial")  # two seconds and more
+AGAIN = {  # a command, and others that would write another result to the same place
+    f"evaluate --controller pid --episodes 2 {SHORT} --record x --out x.json": (
+        "--ship kvlcc2",
+        "--episodes 3",
+        "--controller constant",
+        "--set privileged=true",
+    ),
+    f"bound --controller pid --seeds 1 --iterations 1 {LONGER} --out x.json": (
+        "--iterations 2",
+        "--ship kvlcc2",
+        "--lambdas 1",
+    ),
+    f"record --seeds 2 {SHORT} --out x": ("--ship kvlcc2", "--set privileged=true"),
+    f"record --worst 1 --of 2 {SHORT} --out x.csv": ("--ship kvlcc2", "--controller constant"),
+    "simulate coasting --ship kcs_model --csv x.csv --rrd x.rrd": ("--speed 0.7", "--ship kcs"),
+    "trials --ship onrt_model --csv x.csv --out x.md": ("--ship kcs_model --out y.md",),
+}
+
+
+@pytest.mark.parametrize(
+    "words", [slowly(words) if words[:5] in _LONG else words for words in AGAIN]
+)
+def test_the_same_command_needs_no_force_and_another_one_does(cli, tmp_path, words):
+    if "rrd" in words or "--out x" in words:
+        pytest.importorskip("rerun")
+    for again in range(2):
+        code, _, err = cli(*words.split())
+        assert code == 0, (again, err)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
+    for other in AGAIN[words]:
+        code, out, err = cli(*words.split(), *other.split())
+        assert (code, out, err.count("\n")) == (2, "", 1) and "--force" in err, (other, err)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before
+    assert cli(*words.split(), *AGAIN[words][0].split(), "--force")[0] == 0

@@ -60,7 +60,8 @@ def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out
     how |= {"progress": lambda steps, text: progress(steps, text, iterations)}
     with held(out, "works on this file"):
         found = _front(made, measure, lambdas, how) if lambdas else _best(made, measure, how)
-        found, text = {"bound": asked, **found}, found.pop("text")
+        text = found.pop("text")
+        found["bound"] = asked
         _write(found, out)
     show(as_json, {**found, "file": str(out)}, f"{text}\n\nwrote {out}")
 
