@@ -59,3 +59,21 @@ def test_refusals_in_one_line(cli, run):
     ):
         code, out, err = cli("report", *arguments)
         assert (code, out) == (2, "") and words in err and len(err.strip().splitlines()) == 1
+
+
+def test_pages_and_pictures_of_a_user_are_kept(cli, run):
+    for option, file, mine in (
+        ("--out", "page.html", "<!doctype html>\n<title>mine</title>"),
+        ("--markdown", "docs/r.md", "<!-- mine -->"),
+        ("--markdown", "docs/s.md", None),
+    ):
+        words, path = ("report", run, "--episodes", "0", option, file), Path(file)
+        path.parent.mkdir(exist_ok=True)
+        kept = path if mine else path.with_suffix("") / "photo.png"
+        kept.parent.mkdir(exist_ok=True)
+        kept.write_text(mine or "mine")
+        code, out, err = cli(*words)
+        assert (code, out, err.count("\n")) == (2, "", 1) and "--force" in err, err
+        assert kept.read_text() == (mine or "mine")
+        assert cli(*words, "--force")[0] == 0
+        assert cli(*words)[0] == 0, "a page of the verb"

@@ -329,6 +329,15 @@ def test_export_writes_tables_and_plots(cli, folder, sailed, tmp_path):
     for name in sailed[0].names:
         assert table[name].to_numpy().tobytes() == sailed[0][name].tobytes()
     assert json.loads(table.schema.metadata[b"ship_gym"]) == sailed[0].meta
+    for suffix in ("csv", "parquet"):  # again, then of another run, then over a user's own file
+        beside = folder / f"pid_1000001.{suffix}"
+        export = ("review", "export", "runs/pid_1000001.rrd", "--format", suffix)
+        assert [cli(*export)[0] for _ in range(2)] == [0, 0]
+        code, _, err = cli("review", "export", "runs/pid_1000002.rrd", "--out", beside)
+        assert code == 2 and "holds a recording of pid, kcs, seed 1000001" in err, err
+        beside.write_text("my,notes\n")
+        assert cli(*export)[0] == 2 and beside.read_text() == "my,notes\n"
+        assert cli(*export, "--force")[0] == 0 and beside.read_bytes()[:2] in (b"# ", b"PA")
     pytest.importorskip("matplotlib")
     code, _, err = cli("review", "export", "runs/pid_1000001.rrd", "--format", "png")
     assert code == 0 and (folder / "pid_1000001.png").stat().st_size > 20_000, err
@@ -398,9 +407,14 @@ def test_compare_puts_runs_side_by_side(cli, folder, sailed, monkeypatch):
     assert second["differences"]["J_1"] == constant["J_1"] - pid["J_1"]
     assert first["content"] != second["content"]
     assert "less pid" in cli("review", "compare", *names, "--out", "runs/both.rrd")[1]
-    same = cli("review", "compare", names[0], names[0], "--out", "runs/both.rrd")[1]
+    others = ("review", "compare", names[0], names[0], "--out", "runs/both.rrd")
+    code, out, err = cli(*others)
+    assert (code, out) == (2, "") and "holds a comparison of pid, constant, not" in err, err
+    same = cli(*others, "--force")[1]
     assert same.startswith("the content of all is the same, bit for bit\n")
-    assert cli("review", "compare", *names, "--out", "runs/both.rrd")[0] == 0
+    assert cli("review", "compare", *names, "--out", "runs/both.rrd", "--force")[0] == 0
+    code, out, err = cli("review", "compare", *names, "--out", "runs/turn.rrd")
+    assert (code, out) == (2, "") and "--force" in err, err
     rows = json.loads(cli("review", "list", "runs", "--where", "kind==comparison", "--json")[1])
     assert [row["file"] for row in rows["runs"]] == ["runs/both.rrd"]
     seen = []

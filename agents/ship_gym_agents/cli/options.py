@@ -130,8 +130,8 @@ def force():
     return click.option(
         "--force",
         is_flag=True,
-        help="Replace the file that was named, whatever it holds; without it only an earlier "
-        "result of the same. Pictures and pages are always replaced.",
+        help="Replace what is at the place that was named, whatever it is; without it only an "
+        "earlier result of the same. Pictures are always replaced.",
     )
 
 
