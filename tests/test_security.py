@@ -594,7 +594,7 @@ READS = {
     "ship_gym/writing.py": "nothing: it looks whether there is room",
     "ship_gym_agents/cli/listing.py": OWN,
     "ship_gym_agents/cli/output.py": "the null device",
-    "ship_gym_agents/cli/replace.py": {"gains", "card of a run"},
+    "ship_gym_agents/cli/replace_read.py": {"gains", "card of a run"},
     "ship_gym_agents/cli/review/show.py": "a browser, at an address of this machine",
     "ship_gym_agents/gains_files.py": {"gains"},
     "ship_gym_agents/policies/old_zip.py": {"policy of version 0.1"},
