@@ -101,7 +101,7 @@ def check_behaviour(ship: Ship, simulation: Callable[[Ship, int], Any]) -> None:
     if _of_the_package(ship):
         return
     if lines := findings(ship.at_share(1.0), simulation):
-        raise ConfigError("\n".join(f"{ship.name}: no ship does this: {line}" for line in lines))
+        raise ConfigError("\n".join(f"{ship.name}: {line}" for line in lines))
 
 
 _NUMBERS = ("rho", "nu", "hull", "propeller", "rudder", "gear", "engine", "open_water", "surrogate")
@@ -157,7 +157,7 @@ def findings(ship: Ship, simulation: Callable[[Ship, int], Any]) -> tuple[str, .
     whole = np.isfinite(history).all(axis=(0, 2))
     motions = by_size(ship, np.where(whole[None, :, None], history, 0.0))
     runs = [(k, run) for k, run in enumerate(RUNS) if whole[k]]
-    return (
+    found = (
         *_not_finite(history, whole),
         *held,
         *_off_course(motions, runs),
@@ -166,6 +166,7 @@ def findings(ship: Ship, simulation: Callable[[Ship, int], Any]) -> tuple[str, .
         *_gains(motions, runs),
         *(_no_circle(motions, runs) if ship.strict else ()),
     )
+    return tuple(f"no ship does this: {line}" for line in found)
 
 
 def _unit(ship: Ship) -> np.ndarray:

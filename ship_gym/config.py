@@ -176,12 +176,18 @@ def check_angle(field: str, value: float, limit: float = 2.0 * math.pi) -> float
 
 
 def check_number(
-    field: str, value: float, low: float = -math.inf, high: float = math.inf, unit: str = "-"
+    field: str,
+    value: float,
+    low: float = -math.inf,
+    high: float = math.inf,
+    unit: str = "-",
+    tiny: bool = False,
 ) -> float:
     """Return a finite number within [low, high], else raise ConfigError that says so.
 
     A number that a float cannot hold, and one that no quantity reaches (1e-30 to 1e30, or zero),
-    is refused whatever the limits: its square would not be finite.
+    is refused whatever the limits: its square would not be finite. With `tiny` it may be as small
+    as it likes: a measured or computed value, which may be the rounding of a zero.
     """
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         raise ConfigError(f"{field} = {shown(value)}: must be a number [{unit}]")
@@ -195,7 +201,7 @@ def check_number(
         raise ConfigError(f"{field} = {shown(value)}: must be finite [{unit}]")
     if not (math.isfinite(number) and low <= value <= high):  # value: an integer is exact
         raise ConfigError(f"{field} = {shown(value)}: allowed is {low:g} to {high:g} [{unit}]")
-    if number and not SMALLEST <= abs(number) <= LARGEST:
+    if (number and not (tiny or SMALLEST <= abs(number))) or abs(number) > LARGEST:
         raise ConfigError(
             f"{field} = {shown(value)}: allowed is 0, or {SMALLEST:g} to {LARGEST:g} in size "
             f"[{unit}]"
@@ -273,14 +279,6 @@ def unknown_keys(values: Iterable[str], known: Iterable[str]) -> list[str]:
     """Those of `values` that are not `known`, not more than an error has lines."""
     known = set(known)
     return list(itertools.islice((key for key in values if key not in known), MOST_FINDINGS + 1))
-
-
-def build_part(cls: type, values: object, where: str) -> Any:
-    """As `build`, of what a file says for people too: keys that are no fields are passed over."""
-    if not isinstance(values, Mapping):
-        raise ConfigError(f"{where} = {shown(values)}: must be a table of keys")
-    known = {field.name for field in dataclasses.fields(cls)}
-    return build(cls, {key: value for key, value in values.items() if key in known}, where)
 
 
 def _convert(kind: Any, value: Any, where: str) -> Any:

@@ -275,4 +275,4 @@ def number_of(path: str | Path, name: str, row: int, cell: str, decimal: str = "
         raise ConfigError(f"{path}:{row}: {name} = {shown(cell)} is not a number") from None
     if not math.isfinite(value):
         raise ConfigError(f"{path}:{row}: {name} = {shown(value)} is not finite")
-    return check_number(f"{path}:{row}: {name}", value)
+    return check_number(f"{path}:{row}: {name}", value, tiny=True)

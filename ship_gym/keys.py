@@ -7,14 +7,16 @@ in full becomes a dataclass by ``config.build``.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
-from ship_gym.config import ConfigError, check_number, nearest, shown
+from ship_gym.config import ConfigError, build, check_number, nearest, shown
 from ship_gym.reading import read_json
 
+T = TypeVar("T")
 _NEEDED: Any = object()  # no value to take instead
 
 
@@ -110,7 +112,7 @@ class Keys:
     ) -> float:
         """A finite number within [low, high]."""
         found = self.value(key, instead)
-        return found if found is instead else check_number(self.label(key), found, low, high, unit)
+        return found if found is instead else _number(self.label(key), found, low, high, unit)
 
     def whole(
         self, key: str, low: float = -math.inf, high: float = math.inf, instead: Any = _NEEDED
@@ -130,7 +132,17 @@ class Keys:
         found = self.items(key, instead)
         if found is instead:
             return found
-        return [check_number(f"{self.label(key)}[{k}]", v, low, high) for k, v in enumerate(found)]
+        return [_number(f"{self.label(key)}[{k}]", v, low, high) for k, v in enumerate(found)]
+
+    def build(self, cls: type[T]) -> T:
+        """A dataclass by ``config.build``; keys that are no fields of it are passed over."""
+        known = {field.name for field in dataclasses.fields(cls)}
+        where = f"{self.where}: {self.name}" if self.name else self.where
+        return build(cls, {key: v for key, v in self.values.items() if key in known}, where)
+
+
+# results, which may be the rounding of a zero
+_number = functools.partial(check_number, tiny=True)
 
 
 def read_keys(path: str | os.PathLike) -> Keys:

@@ -217,7 +217,7 @@ VALUES = [
     ("state.json", '"limit": 4.0, ', "", "missing key 'limit'"),
     ("state.json", '"samples": 1000', '"samples": 10.5', "samples = 10.5: must be a whole number"),
     ("data.csv", "0.6", "9" * 400, "data.csv:7: J = inf is not finite"),
-    ("data.csv", "0.6", "1e-300", "data.csv:7: J = 1e-300: allowed is 0, or"),
+    ("data.csv", "0.6", "1e300", r"data\.csv:7: J = 1e\+300: allowed is 0, or"),
     ("data.csv", "0.6,0.1", "0.6", "data.csv:7: 1 cells, but 2 columns"),
     ("data.csv", "K_T [-]", "J [-]", "data.csv:5: column 'J' is there twice"),
     ("history.csv", "1,2", "1,nan", "history.csv:3: x .m. = nan is not finite"),

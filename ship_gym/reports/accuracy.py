@@ -14,7 +14,6 @@ from ship_gym.sea.state import CALM, Sea, load_sea
 from ship_gym.ships.files import available_ships
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
-from ship_gym.ships.plausible import checked
 from ship_gym.simulation import ShipSim, longest_step
 from ship_gym.text import table
 
@@ -88,16 +87,6 @@ def default_step(ship: Ship) -> float:
     return 1.0 / math.ceil(1.0 / longest_step(ship) - 1e-9)
 
 
-def with_longest_step(ship: Ship, step: float) -> Ship:
-    """The ship with another longest integration step [s].
-
-    It follows from the nominal speed, which nothing else in these seas depends on: the speed and
-    the propeller of a run are given.
-    """
-    speed = ship.speed * longest_step(ship) / step
-    return checked(dataclasses.replace(ship, speed=speed, strict=False))  # no ship's speed
-
-
 def sail(ship: Ship, condition: Condition, fraction: float) -> tuple[np.ndarray, float]:
     """Headings [rad] at the ends of the legs, shape (LEGS, SHIPS), and the time of `Point` [s].
 
@@ -110,8 +99,8 @@ def sail(ship: Ship, condition: Condition, fraction: float) -> tuple[np.ndarray,
     """
     default = default_step(ship)
     sea = condition.sea.scaled(ship.scale)
-    made = with_longest_step(ship, fraction * default)
-    sim = ShipSim(made, SHIPS, sea, parallel=False)
+    sim = ShipSim(ship, SHIPS, sea, parallel=False)
+    sim.longest[:] = fraction * default
     rng = np.random.default_rng(0)
     shape = (LEGS if condition.redrawn else 1, SHIPS)
     rudder = condition.rudder * ship.gear.delta_max * rng.uniform(-1.0, 1.0, shape)

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import ConfigError, build_part, check_number
+from ship_gym.config import ConfigError, check_number
 from ship_gym.conventions import G
+from ship_gym.keys import Keys
 from ship_gym.provenance import sha256
 from ship_gym.reports.page import Grid, Picture, Section, Text
 from ship_gym.sea.wave_table import BOUNDS, UNCERTAINTY, WaveTable
@@ -124,7 +125,7 @@ def check_card(table: WaveTable, path: Path) -> None:
     ConfigError
         A key that is missing or of another type.
     """
-    card = build_part(_Card, table.card, f"{path}: card")
+    card = Keys(table.card, str(path), "card").build(_Card)
     largest = card.checks.get("largest")
     parts = {
         "body": (card.body, _BODY),
@@ -134,7 +135,7 @@ def check_card(table: WaveTable, path: Path) -> None:
     }
     for part, (found, wanted) in parts.items():
         for name in wanted:
-            check_number(f"{path}: card.{part}.{name}", found.get(name))
+            check_number(f"{path}: card.{part}.{name}", found.get(name), tiny=True)
     if not card.mesh:
         raise ConfigError(f"{path}: card.mesh is empty: allowed is a line at least")
 

@@ -146,6 +146,8 @@ def _look(
     found: Verdict, ship: Ship, key: str, value: float, allowed: Range, speed, doubtful: bool
 ) -> bool:
     """Add what is to be said about one number, by a basis that may be `doubtful`; if anything."""
+    if allowed.endless and value == math.inf:
+        return False
     usual = (allowed.low, allowed.high)
     unit = basis(ship, allowed.by, speed)
     if unit is None:  # its sign can be judged all the same

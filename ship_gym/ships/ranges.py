@@ -34,6 +34,8 @@ class Range(NamedTuple):
     must : (float, float)
         Outside nothing can be computed, whatever the ship file says: the number is divided by, a
         root is taken of it, or energy comes from nowhere.
+    endless : bool
+        Whether infinity stands for no limit at all.
     """
 
     low: float
@@ -41,6 +43,7 @@ class Range(NamedTuple):
     by: str = ""
     published: tuple[float, float] | None = None
     must: tuple[float, float] = ANY
+    endless: bool = False
 
 
 # Water of 0 to 40 deg C, fresh to as salt as the sea, has 990 to 1030 kg/m3 and 0.65e-6 to
@@ -133,7 +136,7 @@ ENGINE = {
     "n_max": Range(0.4, 10.0, "U/D", (1.37, 2.56), POSITIVE),
     "rate": Range(0.001, 20.0, "n_max / sqrt(L/g)", (0.0272, 0.0479), POSITIVE),
     "time_constant": Range(0.0, 30.0, "sqrt(L/g)", (0.805, 2.47), NOT_NEGATIVE),
-    "torque_max": Range(0.002, INF, "rho n_max^2 D^5", (0.0162, 0.0559), POSITIVE),
+    "torque_max": Range(0.002, 10.0, "rho n_max^2 D^5", (0.0162, 0.0559), POSITIVE, endless=True),
     "n_astern": Range(0.0, 1.0, "n_max", (0.6, 0.6), (0.0, 1.0)),
     "reversal_time": Range(0.0, 60.0, "sqrt(L/g)", (2.49, 3.78), NOT_NEGATIVE),
     "torque_brake": Range(0.0, 1.0, "torque_max", (0.2, 0.2), NOT_NEGATIVE),

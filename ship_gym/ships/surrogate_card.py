@@ -7,7 +7,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ship_gym.config import ConfigError, build_part, check_fields, check_number, shown, told_of
+from ship_gym.config import ConfigError, check_fields, check_number, shown
+from ship_gym.keys import Keys
 from ship_gym.reading import check_array
 from ship_gym.tables import Axis, Table
 
@@ -110,8 +111,7 @@ def _check_part(where: str, card: Mapping[str, Any], part: str, cls: type) -> No
     """Refuse a section of a card that is missing or lacks a key; further keys are let be."""
     if part not in card:
         raise ConfigError(f"{where}: its card has no {part!r}; fit it again")
-    with told_of(where):
-        build_part(cls, card[part], part)
+    Keys(card, where).table(part).build(cls)
 
 
 def _check_axis(where: str, axis: Axis, low: float, high: float) -> None:

@@ -68,7 +68,7 @@ def test_third_order_in_time():
     def end(steps):
         sim = ShipSim(ship, 1)
         sim.state[:] = begin.state
-        sim._longest[:] = np.inf  # let the step be as long as asked
+        sim.longest[:] = np.inf  # let the step be as long as asked
         for _ in range(steps):
             sim.step(command, 24.0 / steps)
         return sim.state[0, :6]

@@ -112,7 +112,7 @@ def test_halving_the_step_in_it_quarters_the_error():
     places = []
     for step in (4.0, 2.0, 0.125):
         sim = ShipSim("kcs", 1, VARYING)
-        sim._longest[:] = step
+        sim.longest[:] = step
         sim.reset(seed=1)
         for _ in range(20):
             sim.step([[0.0, 1.7]], 4.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import SMALLEST, ConfigError, shown
+from ship_gym.config import ConfigError, shown
 from ship_gym.keys import Keys, read_keys
 
 CARD_FILE = "card.json"
@@ -77,13 +77,8 @@ def _check_validation(found: Keys) -> None:
     """Means of a validation: numbers or null, those by which policies are ranked among them."""
     for key in ("success", "return", "rudder_travel"):
         found.value(key)
-    for key, value in found.values.items():
-        if not _is_tiny(value):  # a mean that was measured in calm may be
-            found.number(key, instead=None)
-
-
-def _is_tiny(value: Any) -> bool:
-    return isinstance(value, float) and abs(value) < SMALLEST
+    for key in found.values:
+        found.number(key, instead=None)
 
 
 def _check_final(card: Keys) -> None:
