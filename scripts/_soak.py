@@ -52,11 +52,19 @@ class Chunk(NamedTuple):
                 "overrides": changes}  # fmt: skip
 
 
+def scenarios() -> list[str]:
+    """Names of the scenarios of the package, without those of tasks from outside."""
+    from ship_gym import available_scenarios
+    from ship_gym.tasks import TASKS
+
+    return sorted(set(available_scenarios()) - set(TASKS.outside()))
+
+
 def chunk_of(number: int) -> Chunk:
     """The chunk of a number: its digits, of which every value comes up as often as the others."""
-    from ship_gym import available_scenarios, available_ships
+    from ship_gym import available_ships
 
-    lists = (available_ships(), available_scenarios(), SEAS, HELMS, DRAWS)
+    lists = (available_ships(), scenarios(), SEAS, HELMS, DRAWS)
     rest, digits = number * _STRIDE, []
     for values in lists:
         rest, k = divmod(rest, len(values))

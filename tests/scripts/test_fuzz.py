@@ -79,6 +79,7 @@ def judged(part, monkeypatch, tmp_path, use, **files):
     formats, judge = part("formats"), part("judge")
     made = formats.Format(1, lambda: iter(()), use, "nobody")
     monkeypatch.setitem(formats.FORMATS, "probe", made)
+    monkeypatch.setattr(judge, "MOST_MEMORY", 1 << 40)  # this process holds other tests' things
     case = formats.Case(0, "probe", "good", (), files or {"probe.txt": b"x"}, {})
     return judge.judged(case, tmp_path / "case")
 
@@ -161,6 +162,7 @@ def test_the_smallest_input_is_searched(part, monkeypatch, tmp_path):
 
     made = formats.Format(1, lambda: iter(()), use, "nobody")
     monkeypatch.setitem(formats.FORMATS, "probe", made)
+    monkeypatch.setattr(judge, "MOST_MEMORY", 1 << 40)  # this process holds other tests' things
     lines = [b"line %d" % k for k in range(40)]
     files = {"probe.csv": b"\n".join([*lines[:23], b"bad", *lines[23:]])}
     case = formats.Case(7, "probe", "good", (), files, {})

@@ -24,7 +24,7 @@ def test_chunks_have_every_ship_scenario_sea_helm_and_draw():
     assert len({chunk[1:] for chunk in chunks}) == 1000
     for field, values in {
         "ship": ship_gym.available_ships(),
-        "scenario": ship_gym.available_scenarios(),
+        "scenario": _soak.scenarios(),
         "sea": _soak.SEAS,
         "helm": _soak.HELMS,
         "draw": _soak.DRAWS,
