@@ -58,6 +58,12 @@ def test_good_inputs_are_accepted(tmp_path, part):
 QUICK = ("sea", "scenario", "track", "captive csv", "gains")  # formats with small good inputs
 
 
+@pytest.fixture(autouse=True)
+def room(part, monkeypatch):
+    """The process of the tests holds what others left in it."""
+    monkeypatch.setattr(part("judge"), "MOST_MEMORY", 1 << 40)
+
+
 def test_a_case_is_always_the_same(part):
     formats = part("formats")
     quick = [k for k in range(80) if formats.kind_of(3, k) in QUICK]
@@ -79,7 +85,6 @@ def judged(part, monkeypatch, tmp_path, use, **files):
     formats, judge = part("formats"), part("judge")
     made = formats.Format(1, lambda: iter(()), use, "nobody")
     monkeypatch.setitem(formats.FORMATS, "probe", made)
-    monkeypatch.setattr(judge, "MOST_MEMORY", 1 << 40)  # this process holds other tests' things
     case = formats.Case(0, "probe", "good", (), files or {"probe.txt": b"x"}, {})
     return judge.judged(case, tmp_path / "case")
 
@@ -162,7 +167,6 @@ def test_the_smallest_input_is_searched(part, monkeypatch, tmp_path):
 
     made = formats.Format(1, lambda: iter(()), use, "nobody")
     monkeypatch.setitem(formats.FORMATS, "probe", made)
-    monkeypatch.setattr(judge, "MOST_MEMORY", 1 << 40)  # this process holds other tests' things
     lines = [b"line %d" % k for k in range(40)]
     files = {"probe.csv": b"\n".join([*lines[:23], b"bad", *lines[23:]])}
     case = formats.Case(7, "probe", "good", (), files, {})
