@@ -58,6 +58,7 @@ def forked(
         Time after which it is killed [s].
     """
     told, tell = os.pipe()
+    (folder.parent / ERRORS).touch()  # a child may be killed before it has opened it
     begun = time.perf_counter()
     child = os.fork()
     if child == 0:
