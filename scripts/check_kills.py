@@ -41,6 +41,8 @@ class Known(NamedTuple):
 
 
 def main() -> None:
+    # one thread: a fork of a process with OpenMP's threads waits for them for ever
+    os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}  # before they are loaded
     from _kill_works import works
 
     from ship_gym.config import check_known, check_number
