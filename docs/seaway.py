@@ -21,7 +21,6 @@ from ship_gym.conventions import KNOT, G, N
 from ship_gym.evaluation import rollout
 from ship_gym.evaluation.controller import ConstantController, Controller
 from ship_gym.plotting.seaway import plot_turning_in_waves
-from ship_gym.provenance import check_place
 from ship_gym.recording import Trajectory
 from ship_gym.reports.case import Case, sail_trial
 from ship_gym.reports.manoeuvre import wave_share
@@ -30,6 +29,7 @@ from ship_gym.sea.sea_states import sea_state
 from ship_gym.sea.state import irregular_sea
 from ship_gym.simulation import ShipSim, history_columns
 from ship_gym.text import table
+from ship_gym.writing import check_place
 
 markdown = functools.partial(table, markdown=True)
 DOCS = Path(__file__).parent

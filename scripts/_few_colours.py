@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ship_gym.provenance import atomic_path
+from ship_gym.writing import atomic_path
 
 _COLOURS, _KEPT = 256, 64  # of the picture; of them kept as they are: grounds, text, large lines
 

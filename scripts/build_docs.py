@@ -10,7 +10,7 @@ from ship_gym_agents import make_controller
 
 from pages.environment_pages import env_ids, name_of, outdated, task_of, write_pages
 from pages.still import still
-from ship_gym.provenance import check_place
+from ship_gym.writing import check_place
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "environments"
 EXAMPLES = (

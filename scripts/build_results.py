@@ -16,7 +16,7 @@ from ship_gym_agents.entrants import entrant
 
 from ship_gym.evaluation import benchmark
 from ship_gym.evaluation.report import write_markdown
-from ship_gym.provenance import check_place
+from ship_gym.writing import check_place
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "results.md"
 EXAMPLES = (

@@ -46,8 +46,9 @@ def main() -> None:
     from _kill_works import works
 
     from ship_gym.config import check_known, check_number
-    from ship_gym.provenance import check_place, held
+    from ship_gym.locks import held
     from ship_gym.text import table
+    from ship_gym.writing import check_place
 
     made = parser(HELP, EXAMPLES)
     made.add_argument(

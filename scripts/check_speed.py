@@ -12,8 +12,8 @@ BASELINE = Path(__file__).with_name("speed_baseline.json")
 
 
 def main() -> None:
-    from ship_gym.provenance import atomic_path, check_place
     from ship_gym.reports import speed, speed_check
+    from ship_gym.writing import atomic_path, check_place
 
     made = parser(
         "Measure ratios of processor times in one run (some 20 s) and compare them with "

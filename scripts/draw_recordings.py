@@ -23,7 +23,7 @@ from _web_viewer import check_browser, photograph
 from ship_gym_agents.cli.output import need
 
 from ship_gym.config import check_known
-from ship_gym.provenance import check_place
+from ship_gym.writing import check_place
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "recordings"
 EXAMPLES = (

@@ -49,7 +49,7 @@ def _check(args) -> None:
     from _fuzz_formats import FORMATS
 
     from ship_gym.config import check_known, check_number
-    from ship_gym.provenance import check_place
+    from ship_gym.writing import check_place
 
     for name, low, high in (("cases", 1, 10**8), ("seed", 0, 2**31), ("jobs", 1, 256)):
         check_number(f"--{name}", getattr(args, name), low, high)

@@ -14,7 +14,8 @@ from _cli import parser, progress, run, show
 
 from pages import judgement
 from pages.policies_page import write_page
-from ship_gym.provenance import atomic_path, check_place, locked
+from ship_gym.locks import locked
+from ship_gym.writing import atomic_path, check_place
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "policies.md"
 EXAMPLES = (

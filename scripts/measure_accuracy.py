@@ -8,10 +8,11 @@ from pathlib import Path
 from _cli import parser, progress, run, show
 
 from pages.marks import write_tables
-from ship_gym.provenance import check_place, git_commit
+from ship_gym.provenance import git_commit
 from ship_gym.reports import accuracy
 from ship_gym.reports.speed import machine
 from ship_gym.text import paragraph
+from ship_gym.writing import check_place
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "accuracy.md"
 EXAMPLES = (

@@ -17,10 +17,10 @@ from ship_gym.config import ConfigError
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.evaluation import headroom
 from ship_gym.evaluation.suite import ALWAYS, load_suites
-from ship_gym.provenance import check_place
 from ship_gym.ships.files import DATA
 from ship_gym.tasks import TASKS
 from ship_gym.text import table
+from ship_gym.writing import check_place
 
 GAINS = Path(__file__).resolve().parents[1] / "agents" / "ship_gym_agents" / "gains"
 EXAMPLES = (

@@ -20,9 +20,9 @@ from _mutants import AREAS, KINDS, Mutant, draw
 
 from ship_gym.config import ConfigError
 from ship_gym.keys import Keys
-from ship_gym.provenance import atomic_path, check_place
 from ship_gym.reading import parsed_json, read_json, read_text, read_toml
 from ship_gym.text import table as aligned
+from ship_gym.writing import atomic_path, check_place
 
 HELP = """\
 Change one small thing in a copy of the packages (a sign, a constant, an index or comparison by

@@ -19,7 +19,7 @@ from reproduce import (
 from reproduce.unsteady import compare_seeds
 from reproduce.white import as_dict as white_findings
 from reproduce.white import as_text as white_text
-from ship_gym.provenance import check_place
+from ship_gym.writing import check_place
 
 # what is computed and how it is shown
 PARTS = {

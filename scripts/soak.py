@@ -36,7 +36,8 @@ def main() -> None:
     from _soak import STEPS
 
     from ship_gym.config import ConfigError, check_number
-    from ship_gym.provenance import check_place, locked
+    from ship_gym.locks import locked
+    from ship_gym.writing import check_place
 
     made = parser(HELP, EXAMPLES)
     made.add_argument("--steps", type=float, default=5e6, help="ship-steps (default: %(default)g)")
@@ -185,7 +186,7 @@ def as_text(data: dict[str, Any]) -> str:
 def write_page(page: Path, text: str) -> None:
     """Put the figures between the marks of a page."""
     from ship_gym.config import ConfigError
-    from ship_gym.provenance import atomic_path
+    from ship_gym.writing import atomic_path
 
     old = page.read_text(encoding="utf-8")
     if not (BEGIN in old and END in old.split(BEGIN, 1)[1]):

@@ -1,4 +1,4 @@
-"""Where an artefact comes from. How to write one whole or not at all is in ``writing``."""
+"""Where an artefact comes from."""
 
 from __future__ import annotations
 
@@ -8,35 +8,6 @@ import platform
 import subprocess
 from importlib import metadata
 from pathlib import Path
-
-from ship_gym.locks import check_own, held, locked, take_lock
-from ship_gym.writing import (
-    DiskFull,
-    atomic_path,
-    causes,
-    check_place,
-    full_disk_named,
-    no_space,
-    sweep,
-)
-
-__all__ = [
-    "DiskFull",
-    "atomic_path",
-    "causes",
-    "check_own",
-    "check_place",
-    "full_disk_named",
-    "git_commit",
-    "held",
-    "locked",
-    "no_space",
-    "provenance",
-    "sha256",
-    "sweep",
-    "take_lock",
-    "versions",
-]
 
 _PACKAGES = ("numpy", "scipy", "numba", "gymnasium", "torch", "stable-baselines3", "rerun-sdk")
 

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError, build, check_number, nearest, shown, told_of
-from ship_gym.provenance import atomic_path
 from ship_gym.reading import check_array, json_head, read_npz
+from ship_gym.writing import atomic_path
 
 _MOST_POINTS = 1_000_000  # of an axis
 

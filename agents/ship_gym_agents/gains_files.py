@@ -19,10 +19,10 @@ from typing import Any
 
 from ship_gym.config import ConfigError, build, shown
 from ship_gym.keys import Keys
-from ship_gym.provenance import atomic_path
 from ship_gym.reading import read_toml
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks import TASKS
+from ship_gym.writing import atomic_path
 
 GAINS = Path(__file__).parent / "gains"
 

@@ -29,7 +29,7 @@ from ship_gym_agents.cli.output import progress, run, show
 from torch import nn
 
 from ship_gym.config import check_number
-from ship_gym.provenance import atomic_path, check_place
+from ship_gym.writing import atomic_path, check_place
 
 EXAMPLES = """examples:
   python docs/examples/clone_pid.py

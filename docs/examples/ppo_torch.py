@@ -24,7 +24,7 @@ from torch import nn
 from ship_gym import ShipTorchEnv
 from ship_gym.config import check_known, check_number
 from ship_gym.envs.registration import ENVIRONMENTS
-from ship_gym.provenance import atomic_path
+from ship_gym.writing import atomic_path
 
 EXAMPLES = """examples:
   python docs/examples/ppo_torch.py --envs 128 --minibatch 4096 --iterations 300

@@ -22,10 +22,10 @@ from ship_gym.envs.env import ShipEnv
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.evaluation import metrics_of
-from ship_gym.provenance import atomic_path
 from ship_gym.tasks import TASKS, privileged
 from ship_gym.tasks.base import Task
 from ship_gym.tasks.columns import ACTIONS
+from ship_gym.writing import atomic_path
 
 INDEX, SCENARIOS = "README.md", "scenarios.md"
 _NOTE = "<!-- Written by scripts/build_docs.py from the code: change that, then run it. -->\n\n"

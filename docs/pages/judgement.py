@@ -19,10 +19,11 @@ from ship_gym.evaluation.score import normalised
 from ship_gym.evaluation.splits import SPLITS
 from ship_gym.evaluation.statistics import Paired, estimate, holm, interquartile_mean, paired, rate
 from ship_gym.keys import Keys
-from ship_gym.provenance import atomic_path, provenance, sha256
+from ship_gym.provenance import provenance, sha256
 from ship_gym.reading import read_as, read_text, read_toml
 from ship_gym.scenarios.scenario import load_scenario
 from ship_gym.text import signed_interval, table
+from ship_gym.writing import atomic_path
 
 CHOICE = (1_500_000, 64)  # first seed and number of those that choose the opponent: tuning seeds
 NOTHING = "constant"

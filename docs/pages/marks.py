@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ship_gym.provenance import atomic_path
+from ship_gym.writing import atomic_path
 
 
 def write_tables(page: Path, tables: dict[str, str]) -> None:

@@ -12,9 +12,9 @@ from pages.judgement import FAILURES, Sailor
 from ship_gym.evaluation import metrics_of, rollout
 from ship_gym.plotting.benchmark import styles
 from ship_gym.plotting.benchmark_episode import plot_episode
-from ship_gym.provenance import atomic_path
 from ship_gym.scenarios.scenario import load_scenario
 from ship_gym.text import signed_interval, table
+from ship_gym.writing import atomic_path
 
 _HEAD = """<!-- Written by scripts/judge_policies.py --page; run it again instead of editing. -->
 

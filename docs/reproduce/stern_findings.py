@@ -16,7 +16,7 @@ from typing import Any
 
 from reproduce.stern_turns import AXES, FROUDE_NUMBERS, Pair, Turn, flow_angle, thrust_identity
 from ship_gym.csv_file import read_csv
-from ship_gym.provenance import atomic_path
+from ship_gym.writing import atomic_path
 
 RECORD = Path(__file__).parent / "data" / "stern_2021_ours.csv"
 MET, GAP = "met", "gap"

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError, check_known
-from ship_gym.provenance import check_place
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.tasks.base import Task
 from ship_gym.tasks.metrics import metrics_of
+from ship_gym.writing import check_place
 
 _KEEP = ("all", "failed", "worst")
 

@@ -18,8 +18,8 @@ from ship_gym.config import ConfigError, check_known, shown
 from ship_gym.evaluation.about import check_about
 from ship_gym.evaluation.metrics import all_metrics
 from ship_gym.keys import Keys
-from ship_gym.provenance import atomic_path
 from ship_gym.reading import MOST, parsed_json, read_as, read_bytes
+from ship_gym.writing import atomic_path
 
 if TYPE_CHECKING:
     import pyarrow

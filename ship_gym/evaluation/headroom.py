@@ -39,10 +39,11 @@ from ship_gym.evaluation.statistics import (
     tails,
 )
 from ship_gym.keys import read_keys
-from ship_gym.provenance import atomic_path, provenance, sha256
+from ship_gym.provenance import provenance, sha256
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 from ship_gym.tasks import TASKS
+from ship_gym.writing import atomic_path
 
 JUDGED = 64  # test seeds of reference, second best and doing nothing
 OPTIMISED = {True: 32, False: 16}  # the first of them: of the optimum, of headings and of tracks

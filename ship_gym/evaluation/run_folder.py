@@ -15,7 +15,8 @@ from ship_gym.config import ConfigError
 from ship_gym.evaluation.episodes_table import check_row, finite
 from ship_gym.evaluation.unit import Sailed
 from ship_gym.keys import read_keys
-from ship_gym.provenance import atomic_path, check_own, locked, sweep
+from ship_gym.locks import check_own, locked
+from ship_gym.writing import atomic_path, sweep
 
 EPISODES = "episodes.parquet"
 REPORT = "report.html"

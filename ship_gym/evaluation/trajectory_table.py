@@ -7,8 +7,8 @@ import os
 from typing import Any
 
 from ship_gym.evaluation.episodes_table import arrow
-from ship_gym.provenance import atomic_path
 from ship_gym.recording.trajectory import Trajectory
+from ship_gym.writing import atomic_path
 
 META = b"ship_gym"  # key of the schema's metadata
 

@@ -15,8 +15,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image  # comes with matplotlib
 
-from ship_gym.provenance import atomic_path
 from ship_gym.reports.page import Picture
+from ship_gym.writing import atomic_path
 
 INK, FAINT, GRID = "#22303c", "#8795a1", "#e3e8ec"
 BLUE, TEAL, AMBER, RED = "#1f5a94", "#2a8f82", "#d98324", "#b8402f"

@@ -12,9 +12,9 @@ import numpy as np
 
 from ship_gym.config import ConfigError
 from ship_gym.locks import unfit
-from ship_gym.provenance import DiskFull
 from ship_gym.recording.journal import Journal, journal_path
 from ship_gym.recording.trajectory import Trajectory, import_rerun_export, plain
+from ship_gym.writing import DiskFull
 
 _SECONDS, _ROWS = 10.0, 16  # a chunk: rows of about this time, but at least so many
 

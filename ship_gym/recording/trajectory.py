@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.provenance import atomic_path
 from ship_gym.recording.sealed import damage_told
+from ship_gym.writing import atomic_path
 
 _NO_RERUN = 'recordings as .rrd need rerun: pip install "ship-gym[rerun]"'
 

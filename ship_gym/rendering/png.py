@@ -6,8 +6,8 @@ import os
 
 import numpy as np
 
-from ship_gym.provenance import atomic_path
 from ship_gym.rendering.canvas import Image
+from ship_gym.writing import atomic_path
 
 _COLOURS = 256  # a palette: half the size of a file with all colours, and no difference to see
 

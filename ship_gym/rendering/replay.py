@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from ship_gym.config import ConfigError, check_number, shown
-from ship_gym.provenance import atomic_path
 from ship_gym.recording.marks import bearing, marks, seconds, worst_moment
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.rendering.recorded import scene_at
+from ship_gym.writing import atomic_path
 
 _SHORTEST, _VIDEO = 5.0, 30.0  # least and usual length of a video [s]
 _APART = 0.02  # least share of a run between two moments of a strip

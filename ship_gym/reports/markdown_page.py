@@ -6,9 +6,9 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from ship_gym.provenance import atomic_path
 from ship_gym.reports.page import Block, Command, Folded, Grid, Heading, Picture, Row, Section, Text
 from ship_gym.text import paragraph, table
+from ship_gym.writing import atomic_path
 
 
 def write_markdown_page(

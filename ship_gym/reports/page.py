@@ -15,8 +15,8 @@ from html import escape
 from typing import TypeAlias
 from urllib.parse import quote
 
-from ship_gym.provenance import atomic_path
 from ship_gym.text import paragraph, table
+from ship_gym.writing import atomic_path
 
 GENERATOR = '<meta name="generator" content="Ship Gym">'  # by which a page is known
 _STYLE = """

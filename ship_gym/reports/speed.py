@@ -18,7 +18,7 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.envs.env import ShipEnv
 from ship_gym.envs.registration import ENVIRONMENTS
-from ship_gym.provenance import atomic_path, provenance
+from ship_gym.provenance import provenance
 from ship_gym.reports.speed_child import (
     SHIP_ENV,
     YARDSTICK,
@@ -31,6 +31,7 @@ from ship_gym.reports.speed_child import (
 )
 from ship_gym.sea.state import CALM
 from ship_gym.ships.loader import available_surrogates, load_ship
+from ship_gym.writing import atomic_path
 
 COUNTS = (1, 64, 4096)
 GROWTH = (1, 16, 256, 1024, 4096, 16384, 65536)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ship_gym.csv_file import read_csv
-from ship_gym.provenance import atomic_path, git_commit
+from ship_gym.provenance import git_commit
 from ship_gym.reading import read_toml
 from ship_gym.reports.case import Case
 from ship_gym.reports.measures import (
@@ -25,6 +25,7 @@ from ship_gym.ships.files import available_ships, base_of, file_of
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.trials import Trial
 from ship_gym.text import paragraph, percent, table
+from ship_gym.writing import atomic_path
 
 SOURCE = "ship_gym, ship-gym trials; measured values: the ship files, with their sources"
 _CSV_COLUMNS = ("ship", "trial", "measure", "computed [unit]", "measured [unit]", "unit")

@@ -27,8 +27,8 @@ import numpy as np
 
 from ship_gym.config import ConfigError, check_known, check_number, shown, told_of
 from ship_gym.conventions import wrap_angle
-from ship_gym.provenance import atomic_path
 from ship_gym.reading import check_array, json_head, read_npz
+from ship_gym.writing import atomic_path
 
 MODES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 SURGE_MODELS = ("bem", "snnm", "blend")

@@ -21,7 +21,8 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.provenance import atomic_path, held, locked, provenance, sweep
+from ship_gym.locks import held, locked
+from ship_gym.provenance import provenance
 from ship_gym.reading import read_npy
 from ship_gym.sea.wave_table import BOUNDS, UNCERTAINTY, WaveTable
 from ship_gym.seakeeping import calibration
@@ -42,6 +43,7 @@ from ship_gym.seakeeping.table_checks import critical, uncertainty
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
+from ship_gym.writing import atomic_path, sweep
 
 _VOLUME_TOLERANCE = 0.05
 _FLIP = np.array([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])  # half a turn about x

@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 
 from ship_gym.config import ConfigError, check_known, check_number, shown, told_of
-from ship_gym.provenance import atomic_path
 from ship_gym.reading import read_json
 from ship_gym.tracks.track import Track, checked_origin, proj_definition
+from ship_gym.writing import atomic_path
 
 LARGEST_COUNT = 500  # way-points
 LARGEST_EXTENT = 500e3  # [m] between any two way-points; beyond it a plane is no chart

@@ -15,7 +15,7 @@ from ship_gym_agents.gains_files import gains_path
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.run_folder import RunFolder
-from ship_gym.provenance import held, locked
+from ship_gym.locks import held, locked
 from ship_gym.recording import Trajectory
 from ship_gym.ships.files import DATA
 

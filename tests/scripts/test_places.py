@@ -158,10 +158,10 @@ WRITING = {
 @pytest.mark.filterwarnings("ignore:compiled code cannot be kept")
 @pytest.mark.parametrize("verb", WRITING)
 def test_a_full_disk_is_one_line_and_leaves_nothing(cli, tmp_path, monkeypatch, small_files, verb):
-    from ship_gym import provenance
+    from ship_gym import writing
 
     # the try before the work writes more than 500 bytes, and the disk is to fill after it
-    monkeypatch.setattr(provenance, "check_place", lambda path, *_, **__: Path(path))
+    monkeypatch.setattr(writing, "check_place", lambda path, *_, **__: Path(path))
     old = tmp_path / "new" / "old.txt"
     old.parent.mkdir()
     old.write_text("kept")

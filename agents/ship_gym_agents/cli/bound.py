@@ -44,7 +44,7 @@ def command(as_json, task, seeds, measure, controllers, iterations, lambdas, out
     Intervals: 95 % bootstrap over the episodes.
     """
     from ship_gym.evaluation import evaluation_seeds
-    from ship_gym.provenance import held
+    from ship_gym.locks import held
     from ship_gym_agents.cli.output import place, progress, show
     from ship_gym_agents.cli.replace import Named, bound
     from ship_gym_agents.cli.sailing import own_task, resolved, wanted
@@ -144,7 +144,7 @@ def _front(controllers, measure, lambdas, how: dict[str, Any]) -> dict[str, Any]
 def _write(found: dict[str, Any], path: Any) -> None:
     import json
 
-    from ship_gym.provenance import atomic_path
+    from ship_gym.writing import atomic_path
 
     with atomic_path(path) as temporary:
         temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

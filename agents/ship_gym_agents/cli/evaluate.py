@@ -164,7 +164,7 @@ def _folder(policies: tuple[str, ...]) -> Path:
 def _write(found: dict[str, Any], path: Path) -> None:
     import json
 
-    from ship_gym.provenance import atomic_path
+    from ship_gym.writing import atomic_path
 
     with atomic_path(path) as temporary:
         temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

@@ -63,8 +63,9 @@ def command(as_json, install, **options) -> None:
 
     The result is a table file that attaches to a ship.
     """
-    from ship_gym.provenance import check_place, held
+    from ship_gym.locks import held
     from ship_gym.ships.files import DATA
+    from ship_gym.writing import check_place
     from ship_gym_agents.cli.output import need, show
 
     asked = Asked(**options)
@@ -186,7 +187,7 @@ def _warn_of_samples(data: Any, ship: Any, options: Any, choice: tuple[str, str]
 
 def _fit_one(asked: Asked) -> tuple[dict, str]:
     """Fit, write and draw one table; return what to print as data and as text."""
-    from ship_gym.provenance import held
+    from ship_gym.locks import held
     from ship_gym.reports import surrogate as report
     from ship_gym.reports.page import plain_text
     from ship_gym.reports.surrogate_sections import sections

@@ -54,7 +54,7 @@ def run(main: Callable[[], Any]) -> None:
 
 def _thread_ended(ended: Any, usual: Callable[[Any], Any]) -> None:
     """A library's writing thread that found a full disk says so in a line, not with a trace."""
-    from ship_gym.provenance import no_space
+    from ship_gym.writing import no_space
 
     if ended.exc_value is not None and (reason := no_space(ended.exc_value)):
         print(f"warning: a log is broken off: {reason}", file=sys.stderr)
@@ -65,7 +65,7 @@ def _thread_ended(ended: Any, usual: Callable[[Any], Any]) -> None:
 def _in_words(error: Exception) -> str:
     """An error that a user can mend, in words; empty for one that only a programmer can."""
     from ship_gym.config import ConfigError  # late: it imports Gymnasium
-    from ship_gym.provenance import DiskFull, causes, no_space
+    from ship_gym.writing import DiskFull, causes, no_space
 
     for full in causes(error):
         if isinstance(full, DiskFull):
@@ -141,7 +141,7 @@ def place(given: Path | None, usual: str | Path, option: str = "--out") -> Path:
     """The file to write: the one that was given, and tried then, else the usual one, tried now."""
     if given is not None:
         return given
-    from ship_gym.provenance import check_place
+    from ship_gym.writing import check_place
 
     return check_place(usual, option)
 

@@ -56,7 +56,7 @@ class Places:
     """
 
     def __init__(self, out: Path | None, several: bool):
-        from ship_gym.provenance import check_place
+        from ship_gym.writing import check_place
 
         if out is None:
             out = check_place(MANY if several else ONE, "--out", folder=several)

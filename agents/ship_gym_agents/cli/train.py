@@ -50,7 +50,7 @@ _OUT = "runs/heading"
 @click.option("--resume", is_flag=True, help="Continue the run in --out.")
 def command(as_json, out, resume, minutes, steps, seeds, jobs, init, task, **options) -> None:
     """Train a policy: validated on separate seas, best one kept, can be resumed."""
-    from ship_gym.provenance import check_place
+    from ship_gym.writing import check_place
     from ship_gym_agents.cli.output import next_command, progress, show
 
     out = out or _default_out(options["recipe"])

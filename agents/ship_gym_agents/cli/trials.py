@@ -38,10 +38,10 @@ def command(as_json, ships, before, out, plot, csv, force) -> None:
     One table: measured values with their standard deviation, what is computed, and what was when
     a file of --csv was written. Pictures of single trials: ship-gym simulate trials.
     """
-    from ship_gym.provenance import atomic_path
     from ship_gym.reports import trials as report
     from ship_gym.reports.case import sail_trial, trials
     from ship_gym.ships.loader import load_ship
+    from ship_gym.writing import atomic_path
     from ship_gym_agents.cli import replace
     from ship_gym_agents.cli.output import need, progress, show
 

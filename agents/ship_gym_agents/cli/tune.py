@@ -55,7 +55,7 @@ def command(as_json, controllers, ships, task, resume, out, structure, begin, fo
     """
     import dataclasses
 
-    from ship_gym.provenance import held
+    from ship_gym.locks import held
     from ship_gym_agents.cli.output import next_command, show
     from ship_gym_agents.gains_files import write_gains
     from ship_gym_agents.tuning import gains_file, is_tuned

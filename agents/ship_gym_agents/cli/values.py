@@ -119,7 +119,7 @@ def _tried(path: Path, option: str, ctx: click.Context | None, folder: bool = Fa
     """The path, refused if it could not be written; a shell that completes does not try it."""
     if ctx is not None and ctx.resilient_parsing:
         return path
-    from ship_gym.provenance import check_place
+    from ship_gym.writing import check_place
 
     return check_place(path, option, folder)
 

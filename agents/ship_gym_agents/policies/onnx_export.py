@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.provenance import atomic_path
+from ship_gym.writing import atomic_path
 from ship_gym_agents.policies.networks import Lstm, Mlp
 from ship_gym_agents.policies.policy import Policy
 

@@ -24,8 +24,8 @@ import numpy as np
 from safetensors.numpy import load, save
 
 from ship_gym.config import ConfigError, shown, told_of
-from ship_gym.provenance import atomic_path
 from ship_gym.reading import read_as, read_bytes
+from ship_gym.writing import atomic_path
 from ship_gym_agents.forms.form import form_from
 from ship_gym_agents.plugins import check_no_code
 from ship_gym_agents.policies.cards import checked_card

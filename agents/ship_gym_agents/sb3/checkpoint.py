@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import io
 import json
-import math
 import pickle
 import warnings
 import zipfile
@@ -21,9 +20,10 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.save_util import save_to_zip_file
 
-from ship_gym.config import ConfigError, check_number, shown
-from ship_gym.provenance import atomic_path
+from ship_gym.config import ConfigError, shown
+from ship_gym.keys import Keys
 from ship_gym.reading import check_array, check_unpacked, parsed_json, read_as, read_bytes
+from ship_gym.writing import atomic_path
 from ship_gym_agents.sb3.environments import form_env
 from ship_gym_agents.sb3.replay_file import load_replay, save_replay
 
@@ -171,27 +171,22 @@ def _check_optimisers(model: BaseAlgorithm) -> None:
 
 def _check_state(state: dict[str, Any], model: BaseAlgorithm, file: Path) -> None:
     """Refuse counters, normaliser and price that are not as `save_checkpoint` writes them."""
-    env = model.get_vec_normalize_env()
-    wanted = {"samples", "price", "obs_rms", "ret_rms"}
-    if missing := sorted(wanted - set(state)):
+    env, keys = model.get_vec_normalize_env(), Keys(state, str(file))
+    if missing := sorted({"samples", "price", "obs_rms", "ret_rms"} - set(state)):
         raise ConfigError(f"{file}: {_STATE} has no {missing[0]!r}")
-    samples = state["samples"]
-    if not isinstance(samples, int) or isinstance(samples, bool) or not 0 <= samples < 1 << 53:
-        raise ConfigError(f"{file}: samples = {shown(samples)}: allowed is 0 or more")
+    keys.whole("samples", 0, (1 << 53) - 1)
     for name in ("obs_rms", "ret_rms"):
-        _check_statistics(f"{file}: {name}", state[name], np.shape(getattr(env, name).mean))
-    price = form_env(env).price.state()
-    if not isinstance(state["price"], dict) or set(state["price"]) != set(price):
-        raise ConfigError(f"{file}: price = {shown(state['price'])}: needed are {sorted(price)}")
-    for name, value in state["price"].items():
-        check_number(f"{file}: price.{name}", value, 0.0, math.inf)
+        _check_statistics(keys.table(name), np.shape(getattr(env, name).mean))
+    price, wanted = keys.table("price"), form_env(env).price.state()
+    if set(price.values) != set(wanted):
+        raise ConfigError(f"{file}: price = {shown(price.values)}: needed are {sorted(wanted)}")
+    for name in price.values:
+        price.number(name, 0.0)
 
 
-def _check_statistics(where: str, saved: Any, shape: tuple[int, ...]) -> None:
-    if not isinstance(saved, dict) or not {"mean", "var", "count"} <= set(saved):
-        raise ConfigError(f"{where} = {shown(saved)}: needed are mean, var and count")
+def _check_statistics(saved: Keys, shape: tuple[int, ...]) -> None:
     for key, low in (("mean", None), ("var", 0.0)):
-        with read_as(where, "numbers"):
-            array = np.array(saved[key])
-        check_array(f"{where}.{key}", array, shape, *(() if low is None else (low,)))
-    check_number(f"{where}.count", saved["count"], 0.0, 1e18)
+        with read_as(saved.label(key), "numbers"):
+            array = np.array(saved.value(key))
+        check_array(saved.label(key), array, shape, *(() if low is None else (low,)))
+    saved.number("count", 0.0, 1e18)

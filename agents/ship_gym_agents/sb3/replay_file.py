@@ -14,8 +14,8 @@ import numpy as np
 from stable_baselines3.common.buffers import ReplayBuffer
 
 from ship_gym.config import LARGEST, ConfigError, shown
-from ship_gym.provenance import atomic_path
 from ship_gym.reading import read_as
+from ship_gym.writing import atomic_path
 
 REPLAY_FILE = "replay_buffer.npz"
 PICKLE = "replay_buffer.pkl"  # as versions until 0.1 wrote it

@@ -18,8 +18,9 @@ from ship_gym.evaluation.controller import ConstantController
 from ship_gym.evaluation.engines import Work, engine_of
 from ship_gym.evaluation.splits import tuning_seeds
 from ship_gym.keys import Keys, read_keys
-from ship_gym.provenance import atomic_path, provenance
+from ship_gym.provenance import provenance
 from ship_gym.reading import read_as
+from ship_gym.writing import atomic_path
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training.run import Report
 from ship_gym_agents.training.score import score_of, validate

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.plain_csv import read_plain_csv
-from ship_gym.provenance import atomic_path
+from ship_gym.writing import atomic_path
 from ship_gym_agents.sb3.run_card import CARD_FILE, read_run_card
 
 CURVE_FILE, CURVE_PICTURE = "curve.csv", "curve.png"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import warnings
 from pathlib import Path
 
-from ship_gym.provenance import sweep
 from ship_gym.recording.trajectory import Trajectory
+from ship_gym.writing import sweep
 
 FOLDER = "episodes"  # of the run's folder
 KEPT = 5  # recordings; older ones make way

@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError
-from ship_gym.provenance import atomic_path, check_own, locked, sweep
+from ship_gym.locks import check_own, locked
+from ship_gym.writing import atomic_path, sweep
 from ship_gym_agents.policies.policy_file import POLICY_FILE, load_policy
 from ship_gym_agents.sb3.run_card import CARD_FILE, read_run_card, read_run_state
 from ship_gym_agents.training.curves import CURVE_FILE, CURVE_PICTURE, write_curve

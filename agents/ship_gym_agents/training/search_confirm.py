@@ -15,7 +15,7 @@ from ship_gym.config import check_number
 from ship_gym.evaluation.engines import Work, engine_of
 from ship_gym.evaluation.splits import tuning_seeds
 from ship_gym.keys import read_keys
-from ship_gym.provenance import atomic_path
+from ship_gym.writing import atomic_path
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training.score import score_of
 from ship_gym_agents.training.search_plan import Plan, held, trained

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ship_gym.config import check_known, check_number
-from ship_gym.provenance import check_own, locked, sweep
+from ship_gym.locks import check_own, locked
+from ship_gym.writing import sweep
 from ship_gym_agents.policies.policy_file import load_policy
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.training.budget import Budget

@@ -12,8 +12,8 @@ from typing import Any
 
 from ship_gym.config import ConfigError
 from ship_gym.evaluation.statistics import paired
-from ship_gym.provenance import atomic_path
 from ship_gym.text import signed_interval, table
+from ship_gym.writing import atomic_path
 from ship_gym_agents.sb3.config import run_config
 from ship_gym_agents.sb3.sections import load_hyperparameters
 from ship_gym_agents.training.score import Score, score_of

@@ -19,7 +19,8 @@ from typing import Any
 
 from ship_gym.config import ConfigError, check_number
 from ship_gym.evaluation.engines import begin_worker
-from ship_gym.provenance import atomic_path, provenance
+from ship_gym.provenance import provenance
+from ship_gym.writing import atomic_path
 from ship_gym_agents.policies.policy_file import POLICY_FILE
 from ship_gym_agents.sb3.config import CARD_FILE, RunConfig, check_free, is_config_of, plain
 from ship_gym_agents.training.budget import Budget

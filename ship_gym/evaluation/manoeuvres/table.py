@@ -12,10 +12,10 @@ from ship_gym.config import ConfigError
 from ship_gym.evaluation.episodes_table import arrow, read_parquet
 from ship_gym.evaluation.manoeuvres.definition import CALM
 from ship_gym.evaluation.manoeuvres.sailing import Sailed
-from ship_gym.provenance import atomic_path
 from ship_gym.reports.case import Case
 from ship_gym.reports.handling import KINDS, Handling, as_dict
 from ship_gym.reports.measures import rows
+from ship_gym.writing import atomic_path
 
 _ABOUT = b"ship_gym_manoeuvres"  # key of the schema's metadata
 _TEXT, _TRUTH, _NUMBER = "string", "bool", "float64"

@@ -11,7 +11,6 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ship_gym.provenance import atomic_path
 from ship_gym.recording import hull_shape, plan, scene
 from ship_gym.recording.axes import free_corner, y_range
 from ship_gym.recording.comparison import Run, common_times, panels, runs_of
@@ -40,6 +39,7 @@ from ship_gym.recording.rerun_export.water import send_water
 from ship_gym.recording.sealed import DamagedRecording, damage_told, seal
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.wave_grid import wave_grid
+from ship_gym.writing import atomic_path
 
 _FORMAT, _HEAD = 1, "ShipGymComparison"
 _WHITE = (240, 240, 235)

@@ -21,7 +21,6 @@ import rerun as rr
 from rerun.chunk import Chunk, RrdReader
 from rerun.error_utils import RerunWarning
 
-from ship_gym.provenance import DiskFull, atomic_path
 from ship_gym.recording.card import run_name
 from ship_gym.recording.rerun_export.log import (
     TIMELINE,
@@ -33,6 +32,7 @@ from ship_gym.recording.rerun_export.log import (
 from ship_gym.recording.rerun_export.picture import send_picture
 from ship_gym.recording.sealed import DamagedRecording, damage_told, seal, verify
 from ship_gym.recording.trajectory import Trajectory
+from ship_gym.writing import DiskFull, atomic_path
 
 _FORMAT = 2  # of /record; a reader refuses what it does not know
 COMPARISON = "/comparison"  # entity of a file that has no record, see `compare`

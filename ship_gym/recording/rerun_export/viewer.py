@@ -12,7 +12,6 @@ from urllib.parse import quote
 from rerun.experimental import ViewerClient
 
 from ship_gym.config import check_number
-from ship_gym.provenance import atomic_path
 from ship_gym.recording.rerun_export.light import make_light
 from ship_gym.recording.rerun_export.log import TIMELINE
 from ship_gym.recording.rerun_export.program import (
@@ -25,6 +24,7 @@ from ship_gym.recording.rerun_export.program import (
     listens,
 )
 from ship_gym.recording.screen import has_screen
+from ship_gym.writing import atomic_path
 
 _ROUNDING = 1e-6  # of times [s], which a viewer has in whole nanoseconds
 

@@ -12,7 +12,7 @@ import pytest
 from ship_gym_agents.policies.policy_file import load_policy
 
 from ship_gym.config import ConfigError
-from ship_gym.provenance import locked
+from ship_gym.locks import locked
 
 pytest.importorskip("stable_baselines3")
 

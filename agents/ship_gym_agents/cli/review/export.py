@@ -78,7 +78,7 @@ def _format(kind: str | None, out: Path | None, count: int) -> str:
 def _targets(paths: Sequence[Path], kind: str, out: Path | None) -> list[Path]:
     """The file to write of each recording, all of them tried before any work."""
     from ship_gym.config import ConfigError
-    from ship_gym.provenance import check_place
+    from ship_gym.writing import check_place
 
     names = [f"{path.name.partition('.rrd')[0]}.{kind}" for path in paths]
     if out is None:
