@@ -84,7 +84,7 @@ def _point(place: list[float]) -> dict:
 
 def recordings() -> Iterator[Seed]:
     """A recording of a short run, made in a process of its own: rerun is not to be forked."""
-    context = multiprocessing.get_context("fork")
+    context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=context) as apart:
         yield Seed("run", {"run.rrd": apart.submit(_recorded, "run.rrd").result()})
 

@@ -1,0 +1,1 @@
+"""The earth: lines of constant and of shortest course, and the plane that a route is sailed in."""

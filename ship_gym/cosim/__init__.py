@@ -1,0 +1,1 @@
+"""A ship in a sea as a unit of other simulators (FMI)."""
