@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
+from ship_gym.charts import Chart
 from ship_gym.config import ConfigError, check_known, check_number, shown, told_of
 from ship_gym.reading import read_json
-from ship_gym.charts import Chart
 from ship_gym.tracks.route import Route, Waypoint
 from ship_gym.tracks.track import Track
 from ship_gym.writing import atomic_path
