@@ -18,9 +18,11 @@ from typing import Any
 
 import numpy as np
 
+from ship_gym.charts import Chart
 from ship_gym.config import ConfigError, check_known, check_number, shown, told_of
 from ship_gym.reading import read_json
-from ship_gym.tracks.track import Track, checked_origin, proj_definition
+from ship_gym.tracks.route import Route, Waypoint
+from ship_gym.tracks.track import Track
 from ship_gym.writing import atomic_path
 
 LARGEST_COUNT = 500  # way-points
@@ -92,9 +94,8 @@ def save_track(
     north, east = track.points.T
     properties = {"units": "m"}
     if origin_deg is not None:
-        origin_deg = checked_origin(origin_deg)
-        east, north = _projection(origin_deg)(east, north, inverse=True, errcheck=True)
-        properties = {"units": "deg", "written_from": proj_definition(origin_deg)}
+        north, east = Chart.about(*origin_deg).place(north, east)
+        properties = {"units": "deg"}
     coordinates = np.stack([east, north], axis=-1).tolist()
     feature = {
         "type": "Feature",
@@ -146,9 +147,7 @@ def _track_of(data: dict[str, Any]) -> Track:
     if _units(data, features) == "m":
         return Track(np.stack([y, x], axis=-1))
     _check_degrees(x, y)
-    origin_deg = (float(y[0]), float(x[0]))
-    east, north = _projection(origin_deg)(x, y, errcheck=True)
-    return Track(np.stack([north, east], axis=-1), origin_deg)
+    return Route("", tuple(map(Waypoint, y.tolist(), x.tolist()))).track()
 
 
 def _features(data: dict[str, Any]) -> list[dict[str, Any]]:
@@ -219,12 +218,3 @@ def _check_degrees(longitude: np.ndarray, latitude: np.ndarray) -> None:
             f"way-point {i} = [{longitude[i]}, {latitude[i]}]: not a longitude within 180 and a "
             f"latitude within 90 deg; {hint}"
         )
-
-
-def _projection(origin_deg: tuple[float, float]):
-    """Pyproj's projection: longitude, latitude [deg] to east, north [m], and back."""
-    try:
-        import pyproj
-    except ImportError:
-        raise ImportError(_NO_PYPROJ) from None
-    return pyproj.Proj(proj_definition(origin_deg))
