@@ -86,7 +86,7 @@ class Tracks:
             self._write_limits(which, plans)
         else:
             place_batch(which, self._made(uniform[:, 1:]), bearing, L, plans)
-        legs = plans[which, 1] - plans[which, 0]
+        legs = plans[which, 1, :2] - plans[which, 0, :2]
         bearing = np.array([math.atan2(e, n) for n, e in legs.tolist()])
         aside = self._aside * (2.0 * uniform[:, 0] - 1.0) * L
         north, east = np.zeros(len(which)), np.zeros(len(which))
@@ -118,14 +118,14 @@ def _given(section) -> Track | None:
     """The track of a section ``track`` that gives one."""
     if section.kind != "points":
         return None
-    if section.file:
-        return load_track(section.file, geometry=section.geometry or None)
-    return load_track(list(section.points))
+    if section.geometry:
+        return load_track(section.file, geometry=section.geometry)
+    return load_track(section.file or list(section.points))
 
 
 def _own_limits(track: Track | None, L: np.ndarray) -> np.ndarray | None:
     """Limits of the legs (W - 1, 2) [m], nan where there is none; None: no leg has any."""
-    if track is None or np.isnan(track.limits).all():
+    if track is None or track.limits is None or np.isnan(track.limits).all():
         return None
     smallest = NARROWEST * float(L.max())
     for leg, side in np.argwhere(track.limits < smallest)[:1]:
