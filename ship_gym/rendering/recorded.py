@@ -106,15 +106,14 @@ def _aim(trajectory: Trajectory, row: int) -> dict[str, Any]:
 def _corridor(trajectory: Trajectory, row: int) -> dict[str, Any]:
     """Limit and corridor of a track, as arguments of a scene."""
     meta, limits = trajectory.meta, section(trajectory.meta, "limits")
-    found = {"cross_track_limit": limits.get("cross_track"), "corridor": limits.get("corridor")}
+    limit, corridor = limits.get("cross_track"), limits.get("corridor")
+    found: dict[str, Any] = {"cross_track_limit": limit, "corridor": corridor}
     if meta.get("leg_of"):
         found["leg_of"] = np.array(meta["leg_of"], dtype=np.int64)
-    if meta.get("leg_limits") and None not in found.values():
-        off = _value(trajectory, "off_route", row)
-        side = "starboard" if off > 0.0 else "port"
-        beside = _value(trajectory, f"corridor_{side}", row) or found["corridor"]
-        found["cross_track_limit"] *= beside / found["corridor"]
-        found["corridor"] = beside
+    if meta.get("leg_limits") and limit is not None and corridor is not None:
+        side = "starboard" if _value(trajectory, "off_route", row) > 0.0 else "port"
+        beside = _value(trajectory, f"corridor_{side}", row) or corridor
+        found |= {"corridor": beside, "cross_track_limit": limit * (beside / corridor)}
         found["leg_limits"] = np.array(meta["leg_limits"], dtype=np.float64)
     return found
 

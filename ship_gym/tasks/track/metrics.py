@@ -25,8 +25,8 @@ METRICS: dict[str, Metric] = {
     "max_route": Metric("L", "largest distance to the route, start included", "lower"),
     "corridor": Metric(
         "-",
-        "share of the intervals within the corridor, that of the leg and the side on which the ship "
-        "is, from the first within it on; of what a failure left unsailed: outside",
+        "share of the intervals within the corridor, of the leg and side where the ship is, from "
+        "the first within it on; of what a failure left unsailed: outside",
         "higher",
     ),
     "rms_cross_track": Metric(
