@@ -187,9 +187,10 @@ def test_the_metric_judges_each_side_of_each_leg():
 
 def test_a_failure_counts_with_the_widest_limit_of_the_legs():
     """Failing early never pays: what is not sailed counts as 600 m by 0.5 L times 5 L."""
-    lost = voyage([(0, 0), (10, 0), (20, 0)], [[60.0, 600.0]] * 2, failed=True, outcome="missed the end",
-                  config={"limits": {"cross_track": 5.0, "corridor": 0.5}, "duration": 4.0,
-                          "control_interval": 1.0})  # fmt: skip
+    limits = {"cross_track": 5.0, "corridor": 0.5}
+    config = {"limits": limits, "duration": 4.0, "control_interval": 1.0}
+    meta = {"failed": True, "outcome": "missed the end", "config": config}
+    lost = voyage([(0, 0), (10, 0), (20, 0)], [[60.0, 600.0]] * 2, **meta)
     assert measure(lost)["rms_route"] == pytest.approx(math.sqrt(2 * 60.0**2 / 4.0))
 
 

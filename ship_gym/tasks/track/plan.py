@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError
+from ship_gym.config import ConfigError, told_of
 from ship_gym.physics.angles import north_east
 from ship_gym.tasks.track.kernels import PORT, place_batch
 from ship_gym.tracks.files import load_track
@@ -70,11 +71,12 @@ class Tracks:
             return
         track = self.track or Track(self._points * self._L.max())
         try:
-            track.check_turns(self._range.turn_radius * self._L.max())
+            with told_of(self._range.file) if self._range.file else contextlib.nullcontext():
+                track.check_turns(self._range.turn_radius * self._L.max())
         except ConfigError as error:
             raise ConfigError(
                 f"{error} (track.turn_radius = {self._range.turn_radius:g} L): lengthen the leg, "
-                "turn less, or set track.any_turns"
+                "turn less or wider, or set track.any_turns"
             ) from None
 
     def make(self, which, uniform, order, plans, tasks):
