@@ -143,7 +143,7 @@ def _pair(i: int, position: Any) -> tuple[float, float]:
     good = isinstance(position, list) and len(position) >= 2
     if not good or any(isinstance(v, bool) or not isinstance(v, int | float) for v in position):
         raise ConfigError(f"way-point {i} = {shown(position)}: must be a list of two numbers")
-    x, y = (check_number(f"way-point {i}", v, unit="deg or m", tiny=True) for v in position[:2])
+    x, y = (check_number(f"way-point {i}", v, unit="deg or m") for v in position[:2])
     return x, y
 
 

@@ -77,7 +77,7 @@ class Leg:
     geometry : str
         ``"loxodrome"`` (rhumb line) or ``"orthodrome"`` (great circle, on the ellipsoid).
     port, starboard : float, optional
-        Limits of the cross-track distance to either side [m].
+        Limits of the cross-track distance to either side [m]; 0, too, is none.
     speed_min, speed_max : float, optional
         Planned speeds [m/s].
     """
@@ -193,7 +193,7 @@ class Route:
                 f"latitude {geodesy.HIGHEST:g} deg; let it pass elsewhere"
             )
         chart = Chart.laid(places[:, 0], places[:, 1])
-        limits = [[leg.port, leg.starboard] for leg in self.legs]
+        limits = [[leg.port or math.nan, leg.starboard or math.nan] for leg in self.legs]
         return Track(
             np.stack([chart.north, chart.east], axis=-1),
             chart=chart,
