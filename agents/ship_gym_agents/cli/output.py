@@ -29,6 +29,8 @@ _EXTRAS = {
     "stable_baselines3": ("rl", "training"),
     "torch": ("rl", "training"),
     "onnx": ("onnx", "ONNX files"),
+    "pyproj": ("geo", "places on the earth"),
+    "gpxpy": ("geo", "GPX files"),
 }
 
 
