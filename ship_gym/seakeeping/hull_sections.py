@@ -70,7 +70,7 @@ def _check_sides(mesh: HullMesh) -> None:
     if abs(off) > _LOPSIDED * beam:
         raise ConfigError(
             f"hull mesh: the centre of buoyancy lies {off:.4g} m to starboard: put the centre "
-            "plane at y = 0, or keep the panels as they are with panels = None"
+            "plane at y = 0, or keep the panels as they are with --panels own"
         )
 
 
@@ -94,7 +94,7 @@ def section(mesh: HullMesh, x: float) -> np.ndarray:
     if not found:
         raise ConfigError(
             f"hull mesh: the section at x = {x:.4g} m does not reach the centre plane (several "
-            "hulls?): keep the panels as they are with panels = None"
+            "hulls?): keep the panels as they are with --panels own"
         )
     return max(found, key=lambda half: np.linalg.norm(np.diff(half, axis=0), axis=1).sum())
 
