@@ -54,13 +54,14 @@ def check_place(points: np.ndarray, ship: Ship, name: str, placed: Placed) -> No
     middle = float(0.5 * (wet[:, 0].max() + wet[:, 0].min()))
     if abs(middle) > _MIDDLE * L:
         raise ConfigError(
-            f"{name}: the hull's middle lies {middle:.4g} m forward of midship; give --midship, the "
-            f"middle between the perpendiculars in the file, about {placed.midship + middle:.6g}"
+            f"{name}: the hull's middle lies {middle:.4g} m forward of midship; give "
+            "--midship, the middle between the perpendiculars in the file, about "
+            f"{placed.midship + middle:.6g}"
         )
     if abs(deepest / d - 1.0) > _DRAUGHT:
         raise ConfigError(
-            f"{name}: draught {deepest:.4g} m, but {ship.name} has d = {d:.4g} m; give --waterline, "
-            f"its height above the file's zero: {height:.6g} for this draught"
+            f"{name}: draught {deepest:.4g} m, but {ship.name} has d = {d:.4g} m; give "
+            f"--waterline, its height above the file's zero: {height:.6g} for this draught"
         )
 
 

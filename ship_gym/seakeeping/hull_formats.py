@@ -1,7 +1,7 @@
-"""Files of panels to vertices and faces: which reader a file name asks for, and what holds of all.
+"""Hull files to vertices and faces: which reader a file name asks for, and what holds of all.
 
-Own reader: WAMIT (`hull_gdf`). By Capytaine: Nemoh, HydroStar, HAMS (`hull_panels`). By trimesh, from
-the bytes alone: STL, OBJ, PLY, OFF, GLB. By meshio: the rest. By OpenCASCADE: STEP and IGES
+Own reader: WAMIT (`hull_gdf`). By Capytaine: Nemoh, HydroStar, HAMS (`hull_panels`). By trimesh,
+from the bytes alone: STL, OBJ, PLY, OFF, GLB. By meshio: the rest. By OpenCASCADE: STEP and IGES
 (`hull_cad`). Libraries are imported when a file asks for them.
 """
 

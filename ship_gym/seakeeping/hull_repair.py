@@ -133,7 +133,7 @@ def _with_nodes(points: np.ndarray, faces: np.ndarray, gap: float) -> np.ndarray
 def _divided(
     points: np.ndarray, face: np.ndarray, nodes: dict[tuple[int, int], list[int]]
 ) -> np.ndarray:
-    """A face with more corners along its edges as triangles (n, 4), the flattest as good as can be."""
+    """A face with more corners as triangles (n, 4), whose flattest is as good as can be."""
     corners = list(dict.fromkeys(face.tolist()))
     ring = []
     for a, b in zip(corners, corners[1:] + corners[:1], strict=True):

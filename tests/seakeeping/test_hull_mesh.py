@@ -8,8 +8,8 @@ import pytest
 from ship_gym.config import ConfigError
 from ship_gym.plotting.hull import hull_picture
 from ship_gym.seakeeping.hull_file import cut, read_hull
-from ship_gym.seakeeping.hull_gdf import read_gdf
 from ship_gym.seakeeping.hull_form import parametric_mesh
+from ship_gym.seakeeping.hull_gdf import read_gdf
 from ship_gym.seakeeping.hull_mesh import (
     HullMesh,
     capytaine_axes,
@@ -170,7 +170,7 @@ def test_obj_with_other_axes_origin_and_one_side(tmp_path):
         ConfigError, match="longest along the vertical axis: give --forward \\+z or -z"
     ):
         read_hull(path, SHIP, **place)
-    with pytest.raises(ConfigError, match="give --midship, the middle .* about 118.588"):
+    with pytest.raises(ConfigError, match=r"give --midship, the middle .* about 118.588"):
         read_hull(path, SHIP, forward="-z", up="+y", waterline=SHIP.hull.d)
     with pytest.raises(ConfigError, match=r"nothing below the waterline.*give --waterline 10.8"):
         read_hull(path, SHIP, forward="-z", up="+y", midship=0.5 * SHIP.hull.L)
@@ -187,7 +187,7 @@ def test_gdf_with_symmetry(tmp_path):
     assert len(faces) == HALF.count and points[:, 1].max() > 0.0 > points[:, 1].min()
     same_hull(read_hull(path, SHIP, panels=None))
     path.write_text("\n".join(path.read_text().splitlines()[:50]))
-    with pytest.raises(ConfigError, match="hull.gdf: ends in panel"):
+    with pytest.raises(ConfigError, match=r"hull\.gdf: ends in panel"):
         read_hull(path, SHIP)
 
 
