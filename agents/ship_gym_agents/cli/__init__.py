@@ -26,6 +26,7 @@ VERBS = {
     "bound": "Estimate the best that control can reach: optimised plans with full knowledge.",
     "record": "Record episodes as rerun or CSV files, read them back and compute their metrics.",
     "review": "Find, show, draw, compare, export and measure recordings.",
+    "route": "Show a route of an ECDIS or a plotter: legs, turns, limits; write it anew.",
     "export": "Write a policy as ONNX for other programs, or as safetensors from older files.",
     "simulate": "Sail a standard manoeuvre or all trials of a ship.",
     "trials": "Sail every trial of every ship and compare, with the scatter of the facilities.",

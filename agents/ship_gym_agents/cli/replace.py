@@ -168,6 +168,11 @@ def trials(ships: Iterable[str]) -> Result:
     return Result(f"values of the trials of {', '.join(ships)}", ["trials", ships])
 
 
+def route(made: Mapping[str, Any]) -> Result:
+    """A route, by all that it is."""
+    return Result(f"the route {made['name']!r}", ["route", made])
+
+
 def page(verb: str) -> Result:
     """A page that a verb writes; it is drawn from results, so that which ones does not matter."""
     return Result(f"a page of ship-gym {verb}", ["page", verb])

@@ -17,6 +17,7 @@ from ship_gym_agents.cli.replace import (
     history,
     page,
     policy,
+    route,
     surrogate,
     trials,
     wave_table,
@@ -115,6 +116,12 @@ def _json_in(path: Path) -> Result:
     return evaluation(found["scenario"], found["ship"], found["seeds"], found["controllers"])
 
 
+def _route_in(path: Path) -> Result:
+    from ship_gym.tracks import load_route
+
+    return route(load_route(path).to_meta())
+
+
 def _markdown_in(path: Path) -> Result | None:
     from ship_gym.reading import read_text
 
@@ -138,6 +145,9 @@ _READERS: dict[str, Callable[[Path], Result | None]] = {
     ".parquet": _parquet_in,
     ".csv": _csv_in,
     ".json": _json_in,
+    ".rtz": _route_in,
+    ".gpx": _route_in,
+    ".geojson": _route_in,
     ".md": _markdown_in,
     ".html": _html_in,
 }
