@@ -15,7 +15,9 @@ over. Columns:
 
 from __future__ import annotations
 
+import functools
 import math
+import os
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +82,20 @@ def read_spectrum(path: str | Path, pick: str = "", directions: str = "") -> Mea
         raise ConfigError(f"{path}: {given}: a csv holds one spectrum and names its directions; "
                           "allowed of netCDF only")  # fmt: skip
     return _read_csv(path)
+
+
+def read_again(path: str | Path, pick: str = "", directions: str = "") -> MeasuredSpectrum:
+    """As `read_spectrum`, but a file that has not changed since is not read twice."""
+    try:
+        state = os.stat(path)
+    except (OSError, ValueError):
+        return read_spectrum(path, pick, directions)  # which says what is wrong
+    return _kept(str(path), pick, directions, state.st_mtime_ns, state.st_size)
+
+
+@functools.lru_cache(maxsize=16)
+def _kept(path: str, pick: str, directions: str, *_: int) -> MeasuredSpectrum:
+    return read_spectrum(path, pick, directions)
 
 
 def r_1_of(spread: np.ndarray) -> np.ndarray:
@@ -165,11 +181,11 @@ def _of_one(columns: _Columns, ways: list[str]) -> MeasuredSpectrum:
             a, b = columns.si(f"a1_{way}"), columns.si(f"b1_{way}")
             for name in ("a1", "b1"):
                 columns.check(f"{name}_{way}", -1.0, 1.0)
-            return of_moments(f, density, _to(np.arctan2(b, a), way), np.hypot(a, b))
+            return of_moments(f, density, to_way(np.arctan2(b, a), way), np.hypot(a, b))
     if not ways:
         _no_spread(columns)
         return MeasuredSpectrum(tuple(f), tuple(density))
-    to = _to(columns.si(ways[0]), ways[0].rpartition("_")[2])
+    to = to_way(columns.si(ways[0]), ways[0].rpartition("_")[2])
     if "spread" in columns:
         return of_moments(f, density, to, r_1_of(check_spread(columns.si("spread"))))
     columns.si("r1") if "r1" in columns else _no_width(ways[0])
@@ -195,7 +211,7 @@ def _of_two(columns: _Columns, ways: list[str]) -> MeasuredSpectrum:
         raise ConfigError("density per direction without a column 'direction_from [deg]' or "
                           "'direction_to [deg]'")  # fmt: skip
     columns.check("density", 0.0, 1e6)
-    to = _to(columns.si(ways[0]), ways[0].rpartition("_")[2])
+    to = to_way(columns.si(ways[0]), ways[0].rpartition("_")[2])
     frequencies, rows = np.unique(f, return_inverse=True)
     directions, places = np.unique(np.round(to % (2.0 * math.pi), 9), return_inverse=True)
     found = np.full((len(frequencies), len(directions)), np.nan)
@@ -216,9 +232,6 @@ def _deg(to: float) -> str:
     return f"{math.degrees(to):.4g}"
 
 
-def _to(direction: np.ndarray, way: str) -> np.ndarray:
+def to_way(direction: np.ndarray, way: str) -> np.ndarray:
     """Directions to which waves go [rad]."""
     return direction + (math.pi if way == "from" else 0.0)
-
-
-to_way = _to

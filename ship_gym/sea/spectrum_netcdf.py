@@ -300,7 +300,7 @@ def _of_one(data: Any, chosen: Any, pick: str, directions: str) -> MeasuredSpect
     mean = _beside(data, frequency, _MEAN, r"wave_(mean_)?(from|to)_direction$")
     width = _beside(data, frequency, _WIDTH, r"directional_spread$")
     moments = [_beside(data, frequency, (name,), "^$") for name in ("waveA1Value", "waveB1Value")]
-    if mean is None or (width is None and None in moments):
+    if mean is None or (width is None and any(one is None for one in moments)):
         return MeasuredSpectrum(tuple(f), tuple(energy))
     to = to_way(_angles(_picked(mean, pick)), _way(mean, directions))
     if width is None:

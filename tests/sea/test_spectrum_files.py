@@ -98,7 +98,7 @@ def test_swan_in_radians_and_wavespectra_per_degree(tmp_path):
         tmp_path,
         {"efth": (("dir", "freq"), over(FROM).T[::-1] * math.pi / 180.0,
                   {"units": "m^{2}.s.degree^{-1}"})},
-        {"freq": axis("freq", F, units="Hz"), 
+        {"freq": axis("freq", F, units="Hz"),
          "dir": axis("dir", DEG[::-1], units="degree", **name)},
         name="b.nc",
     )  # fmt: skip
