@@ -27,6 +27,7 @@ from ship_gym.physics.step import Water
 from ship_gym.physics.waves import EIGHT_WAVES, Waves
 from ship_gym.sea.components import WaveComponents
 from ship_gym.sea.gusts import gust_harmonics
+from ship_gym.sea.phases import BEFORE_WAVES, N_DISTURBANCE, N_HARMONICS
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.sea.wave_response import (
     SPEED_STEP,
@@ -38,8 +39,6 @@ from ship_gym.sea.wind_coefficients import wind_table
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import numbered
 
-N_HARMONICS = 16
-N_DISTURBANCE = 2 * N_HARMONICS  # phases of sway force and yaw moment
 _FIRST = 0.4  # omega_1 T: 90 % of the spectrum's variance lies below the last harmonic
 
 SEA_DTYPE = record_type(
@@ -124,7 +123,7 @@ class Waters:
     def n_phases(self) -> int:
         """Uniform numbers for the phases of one ship: of the disturbance, then of the rest."""
         rest = self.n_waves or self.records["windy"].any() or self.records["variation"].any()
-        return N_DISTURBANCE + (1 + N_GUSTS + self.n_waves if rest else 0)
+        return BEFORE_WAVES + self.n_waves if rest else N_DISTURBANCE
 
     @property
     def arrays(self) -> Water:
@@ -157,6 +156,17 @@ class Waters:
             gust_phases=np.zeros((n, self.gust_phases.shape[1])),
             harmonics=np.zeros((n, *self.harmonics.shape[1:])),
         )
+
+
+def current_at(variation: float, omega: float, phase: float, time: np.ndarray) -> np.ndarray:
+    """Speed of a current by its mean at times [s], as ``physics.dynamics.vary_current`` has it.
+
+    Parameters
+    ----------
+    variation, omega, phase : float
+        Share of the mean speed, frequency [rad/s] and phase [turns].
+    """
+    return 1.0 + variation * np.cos(omega * time + 2.0 * math.pi * phase)
 
 
 def disturbance_spectrum(omega, correlation_time: float):
@@ -281,7 +291,7 @@ def set_phases(water: Waters, which: np.ndarray, uniform: np.ndarray) -> None:
         if water.gust_phases.shape[1]:
             gusts = uniform[:, N_DISTURBANCE + 1 :][:, :N_GUSTS]
             water.gust_phases[which, :N_GUSTS] = gusts
-        phases = uniform[:, uniform.shape[1] - water.n_waves :]
+        phases = uniform[:, BEFORE_WAVES:]
         water.waves.phases[np.ix_(which, water.columns)] = phases
 
 

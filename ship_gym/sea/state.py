@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +19,11 @@ from ship_gym.sea.components import (
     wave_numbers,
 )
 from ship_gym.sea.measured import MeasuredSpectrum
+from ship_gym.sea.phases import wave_phases
 from ship_gym.sea.sea_states import sea_state
 from ship_gym.sea.spectra import WaveSystem
 from ship_gym.sea.spectrum_files import read_spectrum
+from ship_gym.sea.surface import sum_of
 from ship_gym.sea.wind_coefficients import METHODS
 
 # Standard deviations of a disturbance that ships bear: at these each of five ships of the package
@@ -143,6 +146,38 @@ class Sea:
         swell = np.arange(len(found.omega)) >= self.first_count if apart else False
         order = np.lexsort((found.direction, np.broadcast_to(swell, found.omega.shape)))
         return WaveComponents(*(column[order] for column in found))
+
+    def elevation(
+        self, x: Any, y: Any, t: Any, seed: int | None = 0, phases: Any = None
+    ) -> np.ndarray:
+        """Elevation of the surface above still water at places and times [m], positive up.
+
+        Parameters
+        ----------
+        x, y, t : array_like
+            North and east [m] and time [s], of shapes that go together.
+        seed : int, optional
+            The phases are those of ``ShipSim.reset(seed)`` for ship 0; of ship i those of seed + i.
+        phases : array_like, optional
+            Instead of them: of each wave of `components` [turns].
+
+        Returns
+        -------
+        numpy.ndarray
+            Of the shape to which x, y and t broadcast; zero without waves.
+
+        Raises
+        ------
+        ConfigError
+            Another number of phases than of waves.
+        """
+        waves = self.components()
+        count = len(waves.omega)
+        turns = wave_phases(seed, count) if phases is None else np.asarray(phases, dtype=float)
+        if turns.shape != (count,):
+            raise ConfigError(f"phases have shape {turns.shape}: allowed is ({count},)")
+        to = self.wave_direction_to + waves.direction
+        return sum_of(np.stack([waves.amplitude, waves.omega, waves.k, turns, to]), x, y, t)
 
     @property
     def first_count(self) -> int:
