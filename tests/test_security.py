@@ -151,6 +151,12 @@ def track(path):
     load_track(path)
 
 
+def spectrum(path):
+    from ship_gym.sea import read_spectrum
+
+    read_spectrum(path)
+
+
 def table(path):
     from ship_gym.tables import Table
 
@@ -331,6 +337,8 @@ READERS = {
     "values of trials": (trial_values, "a.csv"),
     "track csv": (track, "track.csv"),
     "track GeoJSON": (track, "track.geojson"),
+    "spectrum csv": (spectrum, "a.csv"),
+    "spectrum netCDF": (spectrum, "a.nc"),
     "table": (table, "surrogate_mine.npz"),
     "wave table": (wave_table, "waves.npz"),
     "cells of a wave table": (wave_cells, "waves_000.npy"),
@@ -573,6 +581,8 @@ READS = {
     "ship_gym/reports/trials.py": {"values of trials", "ship"},
     "ship_gym/scenarios/scenario.py": {"scenario"},
     "ship_gym/sea/sea_states.py": OWN,
+    "ship_gym/sea/spectrum_files.py": {"spectrum csv"},
+    "ship_gym/sea/spectrum_netcdf.py": {"spectrum netCDF"},
     "ship_gym/sea/state.py": OWN,
     "ship_gym/sea/wave_table.py": {"wave table"},
     "ship_gym/sea/wind_coefficients.py": OWN,

@@ -91,7 +91,7 @@ class SeaRange:
     swell_spectrum : str
         ``"jonswap"`` or ``"bretschneider"``.
     swell_spreading : float
-        As `spreading`.
+        Of the swell, as `spreading`.
     current_variation, current_period : float
         The current's speed varies slowly by this fraction of it, with this period [s].
     spectrum_file : str
