@@ -52,7 +52,9 @@ def _polar(ax: Axes, spectrum: MeasuredSpectrum, sea: Sea) -> None:
     energy = np.column_stack([energy, energy[:, 0]])
     ax.set_theta_zero_location("N")
     ax.set_theta_direction(-1)
-    ax.contourf(around, f, energy, levels=12, cmap="Blues")
+    ax.contourf(around, f, energy, levels=np.linspace(0.03, 1.0, 12) * energy.max(), cmap="Blues")
+    ax.set_axisbelow(False)
+    ax.set_rlabel_position(110.0)
     waves = sea.components()
     ax.plot(
         sea.wave_direction_to + waves.direction + np.pi, waves.omega / (2.0 * np.pi), "o",
