@@ -85,15 +85,17 @@ class SeaRange:
         Significant height of a swell beside the other waves, uniform between them, whatever theirs
         is [m]; 0: none.
     swell_period : float
-        Its T_p [s].
+        T_p of the swell [s].
     swell_encounter_deg : float or None
-        Its encounter angle; None: any direction, whatever that of the other waves.
+        Of the swell. None: any direction, whatever that of the other waves.
     swell_spectrum : str
         ``"jonswap"`` or ``"bretschneider"``.
     swell_spreading : float
         Of the swell, as `spreading`.
-    current_variation, current_period : float
-        The current's speed varies slowly by this fraction of it, with this period [s].
+    current_variation : float
+        The current's speed varies slowly by this fraction of it, 0 to 1.
+    current_period : float
+        Period of that variation [s].
     spectrum_file : str
         Measured or hindcast spectrum, csv or netCDF (``sea.spectrum_files``), instead of a
         spectrum's name and period; from the folder of the scenario file.
