@@ -151,6 +151,12 @@ def track(path):
     load_track(path)
 
 
+def spectrum(path):
+    from ship_gym.sea import read_spectrum
+
+    read_spectrum(path)
+
+
 def table(path):
     from ship_gym.tables import Table
 
@@ -331,8 +337,8 @@ READERS = {
     "values of trials": (trial_values, "a.csv"),
     "track csv": (track, "track.csv"),
     "track GeoJSON": (track, "track.geojson"),
-    "route RTZ": (track, "route.rtz"),
-    "route GPX": (track, "route.gpx"),
+    "spectrum csv": (spectrum, "a.csv"),
+    "spectrum netCDF": (spectrum, "a.nc"),
     "table": (table, "surrogate_mine.npz"),
     "wave table": (wave_table, "waves.npz"),
     "cells of a wave table": (wave_cells, "waves_000.npy"),
@@ -537,8 +543,8 @@ def test_nothing_else_unpickles_or_evaluates():
 
 
 READING = (
-    "open", "fdopen", "read_bytes", "read_text", "read_toml", "read_json", "read_xml", "read_npz",
-    "read_npy", "npz_arrays", "read_keys", "read_csv", "read_run_card", "read_run_state", "ZipFile",
+    "open", "fdopen", "read_bytes", "read_text", "read_toml", "read_json", "read_npz", "read_npy",
+    "npz_arrays", "read_keys", "read_csv", "read_run_card", "read_run_state", "ZipFile",
     "ParquetFile", "RrdReader", "load_mesh", "InferenceSession", "fromfile", "genfromtxt",
     "loadtxt", "memmap", "JournalFileBackend",
 )  # fmt: skip
@@ -559,7 +565,7 @@ READS = {
     "ship_gym/plain_csv.py": {"plain csv", "curve"},
     "ship_gym/plotting/figure.py": WRITTEN,
     "ship_gym/provenance.py": "any file, for its hash",
-    "ship_gym/reading.py": {"table", "ship", "track GeoJSON", "route RTZ", "route GPX"},
+    "ship_gym/reading.py": {"table", "ship", "track GeoJSON", "cells of a wave table"},
     "ship_gym/recording/journal.py": {"journal"},
     "ship_gym/recording/rerun_export/program.py": WRITTEN,
     "ship_gym/recording/rerun_export/rrd_file.py": {"recording", "recording without a seal"},
@@ -575,6 +581,8 @@ READS = {
     "ship_gym/reports/trials.py": {"values of trials", "ship"},
     "ship_gym/scenarios/scenario.py": {"scenario"},
     "ship_gym/sea/sea_states.py": OWN,
+    "ship_gym/sea/spectrum_files.py": {"spectrum csv"},
+    "ship_gym/sea/spectrum_netcdf.py": {"spectrum netCDF"},
     "ship_gym/sea/state.py": OWN,
     "ship_gym/sea/wave_table.py": {"wave table"},
     "ship_gym/sea/wind_coefficients.py": OWN,
@@ -592,9 +600,7 @@ READS = {
     "ship_gym/tasks/course/task.py": OWN,
     "ship_gym/tasks/heading/task.py": OWN,
     "ship_gym/tasks/track/task.py": OWN,
-    "ship_gym/tracks/geojson.py": {"track GeoJSON"},
-    "ship_gym/tracks/gpx.py": {"route GPX"},
-    "ship_gym/tracks/rtz.py": {"route RTZ"},
+    "ship_gym/tracks/files.py": {"track GeoJSON", "track csv"},
     "ship_gym/writing.py": "nothing: it looks whether there is room",
     "ship_gym_agents/cli/listing.py": OWN,
     "ship_gym_agents/cli/output.py": "the null device",
