@@ -16,9 +16,9 @@ from ship_gym_agents.cli.options import Several, environment, force, out, seed, 
 from ship_gym_agents.cli.values import Name, Number, whole
 
 _INTERVAL = 0.1  # [s] between orders in real time: a gyro talks ten times a second
-_NOTES = """Sent: HDT ROT RSA VBW RMC GGA MWV, with a route XTE APB. Understood: HSC and HTC (a heading,
-HTC also a rudder angle) and ROR (a rudder angle). docs/autopilot_loop.md has every field. Whoever
-reaches the port steers the ship: no one is asked who he is."""
+_NOTES = """Sent: HDT ROT RSA VBW RMC GGA MWV, with a route XTE APB. Understood: HSC, HTC (headings, HTC also
+rudder angles) and ROR (rudder angles); docs/autopilot_loop.md has every field. Whoever reaches the
+port steers the ship: no one is asked who he is."""
 
 
 @verb(

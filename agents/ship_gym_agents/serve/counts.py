@@ -1,4 +1,4 @@
-"""What went over the wire, counted: orders, what was passed over, and why sentences were dropped."""
+"""What went over the wire, counted: orders, what was passed over, why sentences were dropped."""
 
 from __future__ import annotations
 

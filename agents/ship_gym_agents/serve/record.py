@@ -1,4 +1,4 @@
-"""A voyage on its way into a recording, as ``ship-gym record`` writes it; rows go to disk at once."""
+"""A voyage on its way into a recording, as ``ship-gym record`` writes them."""
 
 from __future__ import annotations
 
