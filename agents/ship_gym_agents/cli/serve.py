@@ -16,9 +16,11 @@ from ship_gym_agents.cli.options import Several, environment, force, out, seed, 
 from ship_gym_agents.cli.values import Name, Number, whole
 
 _INTERVAL = 0.1  # [s] between orders in real time: a gyro talks ten times a second
-_NOTES = """Sent: HDT ROT RSA VBW RMC GGA MWV, with a route XTE APB. Understood: HSC, HTC (headings, HTC also
-rudder angles) and ROR (rudder angles); docs/autopilot_loop.md has every field. Whoever reaches the
-port steers the ship: no one is asked who he is."""
+_NOTES = """
+Sent: HDT ROT RSA VBW RMC GGA MWV, with a route XTE APB. Understood: HSC and HTC (headings, HTC
+also rudder angles), ROR (rudder angles), with --apb APB. docs/autopilot_loop.md has every field.
+Whoever reaches the port steers the ship: no one is asked who he is.
+"""
 
 
 @verb(
@@ -75,16 +77,19 @@ port steers the ship: no one is asked who he is."""
 )
 @click.option("--talker", cls=Several, metavar="KIND=XX", help="Who talks, HDT=GP; all=II.")
 @click.option(
+    "--apb", is_flag=True, help="Also obey the heading to steer of APB, as plotters send it."
+)
+@click.option(
     "--simulated", is_flag=True, help="Mark positions as a simulator's; receivers may refuse them."
 )
 @out(".rrd", "Also record the voyage.", "--record")
 @force()
 def command(as_json, task, controller, record, force, **options) -> None:
-    """Sail a ship on NMEA 0183 over TCP and UDP: for an autopilot, a plotter, your own program.
+    """Sail a ship on NMEA 0183 over TCP and UDP, steered by another autopilot.
 
-    In real or accelerated time. She keeps her heading until an order comes, of a rudder angle or of
-    a heading; the last one holds. What was sent, understood and dropped is printed at the end.
-    Times are the ship's own.
+    In real or accelerated time, for an autopilot, a plotter or your own program. She keeps her
+    heading until an order comes, of a rudder angle or of a heading; the last one holds. What was
+    sent, understood and dropped is printed at the end. Times are the ship's own.
     """
     from ship_gym_agents.cli.output import need, show
     from ship_gym_agents.cli.serve_settings import told
@@ -113,7 +118,9 @@ def _serve(task, controller, record: Path | None, force, options) -> dict[str, A
     how = {
         "rates": settings.rates(options["rate"]),
         "talkers": settings.talkers(options["talker"]),
-        **{name: options[name] for name in ("speed_up", "lockstep", "patience", "simulated")},
+        **{
+            name: options[name] for name in ("speed_up", "lockstep", "patience", "apb", "simulated")
+        },
     }
     to = settings.targets(options["udp_to"], options["listen"], kinds)
     waters = settings.waters(options["route"], options["at"], options["heading"])

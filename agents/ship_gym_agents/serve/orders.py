@@ -32,15 +32,23 @@ class Order(NamedTuple):
     limit: float = math.inf
 
 
-def order_of(sentence: Any) -> Order | None:
+def order_of(sentence: Any, apb: bool = False) -> Order | None:
     """The order of a sentence; None: of a kind that orders nothing, or the report of a setting.
+
+    Parameters
+    ----------
+    sentence : pynmea2.NMEASentence or str
+        As ``nmea.read`` gives it.
+    apb : bool
+        Whether the heading to steer of APB is an order.
 
     Raises
     ------
     Dropped
         A field that is missing, none, or outside its range; what is not served.
     """
-    reader = READERS.get(getattr(sentence, "sentence_type", ""))
+    kind = getattr(sentence, "sentence_type", "")
+    reader = None if kind == "APB" and not apb else READERS.get(kind)
     return None if reader is None else reader(sentence)
 
 
@@ -90,7 +98,22 @@ def _of_ror(sentence: Any) -> Order:
     return Order(RUDDER, math.radians(angle))
 
 
-READERS: dict[str, Callable[[Any], Order | None]] = {"HTC": _of_htc, "HSC": _of_hsc, "ROR": _of_ror}
+def _of_apb(sentence: Any) -> Order:
+    """``APB``: the heading to steer of a plotter that follows a route."""
+    _check_count(sentence, 14, 15)
+    _one_of(sentence, "status_gen", "A")
+    _one_of(sentence, "status_cycle_lock", "A")
+    if _one_of(sentence, "heading_to_dest_type", "T", "M") == "M":
+        raise Dropped("not served", "APB in magnetic degrees: headings are true, no variation")
+    return Order(HEADING, math.radians(_number(sentence, "heading_to_dest", 0.0, 360.0)))
+
+
+READERS: dict[str, Callable[[Any], Order | None]] = {
+    "HTC": _of_htc,
+    "HSC": _of_hsc,
+    "ROR": _of_ror,
+    "APB": _of_apb,
+}
 
 
 def _check_count(sentence: Any, low: int, high: int) -> None:

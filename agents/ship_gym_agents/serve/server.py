@@ -48,6 +48,8 @@ class Server:
         Kind to two letters, likewise.
     start : datetime, optional
         UTC at the start; default: now, in lockstep `EPOCH`.
+    apb : bool
+        Whether the heading to steer of APB is an order.
     simulated : bool
         Whether positions are marked as a simulator's.
 
@@ -71,6 +73,7 @@ class Server:
         rates: Mapping[str, float] | None = None,
         talkers: Mapping[str, str] | None = None,
         start: datetime.datetime | None = None,
+        apb: bool = False,
         simulated: bool = False,
     ):
         self._vessel, self._ports, self._chart, self._voyage = vessel, ports, chart, voyage
@@ -79,7 +82,7 @@ class Server:
         self._talkers = TALKERS | dict(talkers or {})
         self._every = periods(RATES | dict(rates or {}), vessel.interval)
         now = EPOCH if lockstep else datetime.datetime.now(datetime.UTC)
-        self._start, self._simulated = start or now, simulated
+        self._start, self._simulated, self._apb = start or now, simulated, apb
         self._orders: deque[Order] = deque()
         self._last: list[str] = []  # sentences of this instant
         self._stopped = False
@@ -146,7 +149,7 @@ class Server:
         """Count a line; its order, if it is one, waits for the next interval."""
         try:
             sentence = read(line.data.strip())
-            order = order_of(sentence)
+            order = order_of(sentence, self._apb)
             if order is not None and len(self._orders) >= _MOST_ORDERS:
                 raise Dropped("too many", f"{_MOST_ORDERS} orders wait already")
         except Dropped as why:

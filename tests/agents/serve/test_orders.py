@@ -60,6 +60,20 @@ def test_orders(line, what, degrees, limit):
     assert math.degrees(order.limit) == pytest.approx(limit)
 
 
+def test_a_plotter_is_obeyed_where_it_is_wanted():
+    def apb(heading, flags="A,A", reference="T"):
+        text = f"ECAPB,{flags},0.1,L,N,V,V,10,T,W1,11,T,{heading},{reference}"
+        return order_of(read(with_checksum(text)), apb=True)
+
+    assert apb("12.5") == (HEADING, math.radians(12.5), math.inf)
+    for bad, why in ((("", "A,A"), "fields"), (("1", "V,A"), "fields"), (("1", "A,V"), "fields")):
+        with pytest.raises(Dropped) as error:
+            apb(*bad)
+        assert error.value.why == why
+    with pytest.raises(Dropped, match="magnetic"):
+        apb("12.5", reference="M")
+
+
 @pytest.mark.parametrize(
     "line",
     [
