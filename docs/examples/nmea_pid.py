@@ -3,7 +3,7 @@
 It knows of the ship only what her instruments say (HDT, ROT, RSA, VBW) and answers with rudder
 angles (ROR), as an autopilot on a bridge does. The ship is one of ``ship-gym serve``:
 
-    ship-gym serve --lockstep --rate all=10 --duration 300
+    ship-gym serve --lockstep --duration 300
     python docs/examples/nmea_pid.py --heading 20
 
 Put your own law into `Pilot.rudder`. docs/autopilot_loop.md has the fields of every sentence.
@@ -15,7 +15,6 @@ import argparse
 import json
 import math
 import socket
-import time
 from collections.abc import Iterator
 
 import numpy as np
@@ -118,16 +117,16 @@ class Wire:
         self._socket.close()
 
 
-def steer(pilot: Pilot, wire: Wire, seconds: float = math.inf) -> int:
-    """Answer the ship until she is silent, or for so many seconds; how many orders were given."""
-    orders, end = 0, time.monotonic() + seconds
+def steer(pilot: Pilot, wire: Wire, orders: float = math.inf) -> int:
+    """Answer the ship until she is silent, or so many times; how many orders were given."""
+    given = 0
     for line in wire.lines():
         if (order := pilot.hear(line)) is not None:
             wire.say(order)
-            orders += 1
-        if time.monotonic() > end:
+            given += 1
+        if given >= orders:
             break
-    return orders
+    return given
 
 
 def main() -> None:
@@ -140,7 +139,7 @@ def main() -> None:
     parser.add_argument("--ship", default="kcs")
     parser.add_argument("--controller", default="pid")
     parser.add_argument("--interval", type=float, default=1.0, help="of the ship's orders [s]")
-    parser.add_argument("--seconds", type=float, default=math.inf, help="then hang up")
+    parser.add_argument("--orders", type=float, default=math.inf, help="then hang up")
     parser.add_argument("--json", action="store_true")
     given = parser.parse_args()
     pilot = Pilot(given.heading, given.ship, given.controller, given.interval)
@@ -148,7 +147,7 @@ def main() -> None:
         wire = Wire(given.address, given.port, given.udp)
     except OSError as error:
         parser.exit(2, f"error: {given.address} port {given.port}: {error.strerror}\n")
-    orders = steer(pilot, wire, given.seconds)
+    orders = steer(pilot, wire, given.orders)
     wire.close()
     last = pilot.errors[-60:] or [math.nan]
     found = {
