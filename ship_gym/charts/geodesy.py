@@ -61,7 +61,7 @@ def rhumb_forward(latitude: Any, longitude: Any, bearing: Any, length: Any) -> t
     latitude, longitude, north, east = np.broadcast_arrays(latitude, longitude, north, east)
     zero = np.zeros_like(north, dtype=np.float64)
     _, there, _ = _geod().fwd(zero, latitude.astype(np.float64), zero, north)
-    there = np.clip(there, -HIGHEST, HIGHEST)
+    there = np.clip(np.asarray(there), -HIGHEST, HIGHEST)
     return there, wrap_longitude(
         longitude + np.degrees(east / _parallel(latitude, there, _meridian_arc(latitude, there)))
     )
@@ -71,14 +71,14 @@ def geodesic(latitude: Any, longitude: Any, latitude_to: Any, longitude_to: Any)
     """Shortest line to another place."""
     lines = np.broadcast_arrays(longitude, latitude, longitude_to, latitude_to)
     there, back, length = _geod().inv(*(np.array(v, dtype=np.float64) for v in lines))
-    return Line(np.radians(there), np.radians(wrap_longitude(back + 180.0)), length)
+    return Line(np.radians(np.asarray(there)), np.radians(wrap_longitude(np.asarray(back) + 180.0)), np.asarray(length))
 
 
 def geodesic_forward(latitude: Any, longitude: Any, bearing: Any, length: Any) -> tuple[Any, Any]:
     """Place at a length along a geodesic: latitude, longitude in [-180, 180) [deg]."""
     lines = np.broadcast_arrays(longitude, latitude, np.degrees(bearing), length)
     east, north, _ = _geod().fwd(*(np.array(v, dtype=np.float64) for v in lines))
-    return north, wrap_longitude(east)
+    return np.asarray(north), wrap_longitude(east)
 
 
 def geodesic_cuts(latitude: float, longitude: float, bearing: float, length: float) -> np.ndarray:

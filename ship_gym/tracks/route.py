@@ -23,8 +23,15 @@ GEOMETRIES = ("loxodrome", "orthodrome")
 LARGEST_COUNT = 20_000  # way-points of a route
 MOST_LEGS = 100_000  # of the plane
 SHARPEST = math.radians(175.0)  # a planned turn; beyond it the leg is sailed back
+_PLACES = 12  # decimals of a degree of a wrapped longitude: what 360 added may have lost
 _FARTHEST_ASIDE = 1e6  # [m]
 _FASTEST = 100.0  # [m/s]
+
+
+def check_count(count: int) -> None:
+    """Refuse more way-points than a track or a route may have."""
+    if count > LARGEST_COUNT:
+        raise ConfigError(f"track: {count} way-points; at most {LARGEST_COUNT} are allowed")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,7 +41,7 @@ class Waypoint:
     Attributes
     ----------
     latitude, longitude : float
-        WGS84 [deg]; a longitude from 180 to 540 deg is taken round the earth.
+        WGS84 [deg]; a longitude beyond 180 is taken round the earth to within [-180, 180).
     name : str
     radius : float, optional
         Planned turn [m]; None or 0: a corner. Of the first and the last way-point it says nothing.
@@ -50,10 +57,10 @@ class Waypoint:
 
     def __post_init__(self):
         top = geodesy.HIGHEST
-        check_number("latitude", self.latitude, -top, top, "deg")
-        longitude = check_number("longitude", self.longitude, -540.0, 540.0, "deg")
-        if longitude != 180.0:
-            longitude = float(geodesy.wrap_longitude(longitude))
+        check_number("latitude", self.latitude, -top, top, "deg", tiny=True)
+        longitude = check_number("longitude", self.longitude, -540.0, 540.0, "deg", tiny=True)
+        if not -180.0 <= longitude < 180.0:
+            longitude = round(float(geodesy.wrap_longitude(longitude)), _PLACES)
         object.__setattr__(self, "longitude", longitude)
         if self.radius is not None:
             check_number("radius", self.radius, 0.0, _FARTHEST_ASIDE, "m")
@@ -70,7 +77,7 @@ class Leg:
     geometry : str
         ``"loxodrome"`` (rhumb line) or ``"orthodrome"`` (great circle, on the ellipsoid).
     port, starboard : float, optional
-        Limits of the cross-track distance to either side [m].
+        Limits of the cross-track distance to either side [m]; 0, too, is none.
     speed_min, speed_max : float, optional
         Planned speeds [m/s].
     """
@@ -115,10 +122,9 @@ class Route:
 
     def __post_init__(self):
         waypoints, legs = tuple(self.waypoints), tuple(self.legs)
-        if not 2 <= len(waypoints) <= LARGEST_COUNT:
-            raise ConfigError(
-                f"route: {len(waypoints)} way-points; allowed are 2 to {LARGEST_COUNT}"
-            )
+        check_count(len(waypoints))
+        if len(waypoints) < 2:
+            raise ConfigError(f"route: {len(waypoints)} way-point; a route needs at least 2")
         legs = legs or (Leg(),) * (len(waypoints) - 1)
         if len(legs) != len(waypoints) - 1:
             raise ConfigError(
@@ -187,7 +193,7 @@ class Route:
                 f"latitude {geodesy.HIGHEST:g} deg; let it pass elsewhere"
             )
         chart = Chart.laid(places[:, 0], places[:, 1])
-        limits = [[leg.port, leg.starboard] for leg in self.legs]
+        limits = [[leg.port or math.nan, leg.starboard or math.nan] for leg in self.legs]
         return Track(
             np.stack([chart.north, chart.east], axis=-1),
             chart=chart,
