@@ -653,3 +653,38 @@ def test_a_small_file_needs_no_room_for_a_large_one(tmp_path):
         assert read_bytes(tmp_path / "a", 1 << 34) == b"abc"
     finally:
         resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+# --- sockets -------------------------------------------------------------------------------------
+
+# modules that bind a socket: to 127.0.0.1, or where a flag says otherwise
+BINDS = {
+    "ship_gym/recording/rerun_export/program.py": "finds a free port of 127.0.0.1 for the viewer",
+    "ship_gym_agents/serve/ports.py": "127.0.0.1, or --listen",
+}
+SERVERS = ("bind", "create_server", "start_server", "HTTPServer", "TCPServer", "UDPServer")
+
+
+def test_every_place_that_listens_is_listed():
+    found = {
+        name
+        for name, called_there in modules()
+        for called, _ in called_there
+        if called.rpartition(".")[2] in SERVERS
+    }
+    assert found == set(BINDS), "a module that binds a socket, or binds none any more: edit BINDS"
+
+
+def test_sockets_are_bound_to_this_machine():
+    pytest.importorskip("pynmea2")
+    from ship_gym_agents.cli.serve import command
+    from ship_gym_agents.serve.ports import Ports
+
+    from ship_gym.recording.rerun_export.program import HOST
+
+    listen = next(param for param in command.params if param.name == "listen")
+    with Ports(port=0) as usual, Ports(listen.default, port=0) as by_command:
+        bound = [address for ports in (usual, by_command) for _, address, _ in ports.bound]
+        assert bound == ["127.0.0.1"] * 4 and HOST == "127.0.0.1"
+        listening = [held for held in (usual._tcp, usual._udp) if held is not None]
+        assert {held.getsockname()[0] for held in listening} == {"127.0.0.1"}

@@ -29,6 +29,7 @@ VERBS = {
     "route": "Show a route of an ECDIS or a plotter: legs, turns, limits; write it anew.",
     "export": "Write a policy as ONNX for other programs, or as safetensors from older files.",
     "simulate": "Sail a standard manoeuvre or all trials of a ship.",
+    "serve": "Sail a ship on NMEA 0183 over TCP and UDP, steered by another autopilot.",
     "trials": "Sail every trial of every ship and compare, with the scatter of the facilities.",
     "linearise": "Linearise a ship on a straight course: derivatives, Nomoto's K and T, stability.",
     "tune": "Tune controllers for ships on seeds kept for tuning; say what it gained.",
