@@ -16,7 +16,7 @@ from ship_gym.conventions import N_FLOW, polar, wrap_angle
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.physics.waves import WAVE_EXTRAPOLATION
 from ship_gym.provenance import sha256
-from ship_gym.recording.about import ship_meta
+from ship_gym.recording.about import frame, ship_meta
 from ship_gym.recording.panels import plots_meta
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.scenarios.scenario import Scenario
@@ -40,10 +40,13 @@ class Setting:
     ----------
     scenario : Scenario
     ship : Ship
+    given : mapping, optional
+        As ``EpisodeBatch.given``.
     """
 
-    def __init__(self, scenario: Scenario, ship: Ship):
+    def __init__(self, scenario: Scenario, ship: Ship, given: Mapping[str, Any] | None = None):
         self.scenario, self.ship, self.task = scenario, ship, TASKS[scenario.task]
+        self.given = given or {}
         self.seen, self.done = observation_columns(scenario), action_columns(scenario)
 
     @functools.cached_property
@@ -64,7 +67,9 @@ class Setting:
             "limits": rudder | task.limits(scenario, self.ship),
             "observations": list(self.seen),
             "actions": list(self.done),
+            "frame": frame(self.given),
             **plots_meta(task.plots),
+            **self.given,
         }
 
     def _own_task(self) -> dict[str, str]:

@@ -79,6 +79,8 @@ class Rollout:
         Of each episode as ``sea.records.Waters.waves_of``, shape (n, 5, N).
     randomisation : dict
         What was drawn for the ships, by name, shapes (n,); empty if nothing is.
+    given : dict
+        As ``EpisodeBatch.given``.
     policy : dict or None
         ``file`` and ``sha256`` of what the controller was loaded from, if it says (`file`).
     provenance : dict
@@ -96,6 +98,7 @@ class Rollout:
     current: np.ndarray
     waves: np.ndarray
     randomisation: dict[str, np.ndarray]
+    given: dict[str, object]
     policy: dict[str, str] | None
     provenance: dict[str, object]
 
@@ -137,7 +140,7 @@ class Rollout:
 
     @functools.cached_property
     def _setting(self) -> Setting:
-        return Setting(self.scenario, self.ship)
+        return Setting(self.scenario, self.ship, self.given)
 
     def _conditions(self, i: int) -> Conditions:
         return Conditions(
@@ -260,6 +263,7 @@ def rollout(
         current=current,
         waves=np.stack([batch.sim.water.waves_of(i) for i in range(batch.n)]),
         randomisation=batch.randomisation(),
+        given=batch.given,
         policy=policy,
         provenance=made,
     )
@@ -313,7 +317,7 @@ def _streams(
     """Episodes on their way into files, by index; what is left at an error keeps its journal."""
     log.before()
     batch, made = log.batch, {}
-    setting = Setting(batch.scenario, batch.ship)
+    setting = Setting(batch.scenario, batch.ship, batch.given)
     try:
         for i, path in record.items():
             made[i] = Streamed(path, log, i, conditions_of(batch, i, setting), abouts[i])

@@ -29,8 +29,8 @@ _EXTRAS = {
     "stable_baselines3": ("rl", "training"),
     "torch": ("rl", "training"),
     "onnx": ("onnx", "ONNX files"),
-    "pynmea2": ("nmea", "sentences of NMEA 0183"),
     "pyproj": ("geo", "places on the earth"),
+    "gpxpy": ("geo", "GPX files"),
 }
 
 

@@ -136,6 +136,14 @@ def _html_in(path: Path) -> Result | None:
     return page("report") if GENERATOR in read_text(path)[:1000] else None
 
 
+def _voyage_in(path: Path) -> Result | None:
+    from ship_gym.reading import read_text
+    from ship_gym.recording.earth_files import MARK
+
+    found = re.search(MARK + r" [0-9a-f]{16}", read_text(path))
+    return Result("the track of another recording", ["voyage", found[0]]) if found else None
+
+
 _READERS: dict[str, Callable[[Path], Result | None]] = {
     ".safetensors": _policy_in,
     ".onnx": _onnx_in,
@@ -150,4 +158,7 @@ _READERS: dict[str, Callable[[Path], Result | None]] = {
     ".geojson": _route_in,
     ".md": _markdown_in,
     ".html": _html_in,
+    ".gpx": _voyage_in,
+    ".geojson": _voyage_in,
+    ".kml": _voyage_in,
 }
