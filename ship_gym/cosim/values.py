@@ -106,6 +106,7 @@ def sea_of(values: Mapping[str, Any], ship: Ship) -> Sea:
         What ``sea.state`` refuses, or waves that break.
     """
     sea = load_sea(values["sea.name"]).scaled(ship.scale)
+    _check_meant(values, sea)
     come, wind_from = values["sea.wave_direction_from"], values["sea.wind_direction_from"]
     if values["sea.wave_height"] > 0.0:
         made = _waves(values, come)
@@ -124,6 +125,20 @@ def sea_of(values: Mapping[str, Any], ship: Ship) -> Sea:
         speed, to = values["sea.current_speed"], values["sea.current_direction_to"]
         sea = dataclasses.replace(sea, current_speed=speed, current_direction_to=to)
     return dataclasses.replace(sea, wind_direction_from=wind_from, gusts=values["sea.gusts"])
+
+
+def _check_meant(values: Mapping[str, Any], sea: Sea) -> None:
+    """Refuse what would say nothing: a direction, or a kind of waves, of what is not there."""
+    own = values["sea.wave_height"] > 0.0
+    for name, there, needs in (
+        ("sea.regular", own, "sea.wave_height"),
+        ("sea.spreading", own, "sea.wave_height"),
+        ("sea.wave_direction_from", own or sea.waves, "waves"),
+        ("sea.wind_direction_from", values["sea.wind_speed"] or sea.wind_speed, "wind"),
+        ("sea.current_direction_to", values["sea.current_speed"] > 0.0, "sea.current_speed"),
+    ):
+        if values[name] and not there:
+            raise ConfigError(f"{name} = {values[name]}: means nothing without {needs}")
 
 
 def _waves(values: Mapping[str, Any], come: float) -> Sea:

@@ -7,7 +7,7 @@ and kinds of groups, not names. Axes, signs and units are those of ``ship_gym.co
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ship_gym.conventions import FLOW_NAMES, FLOW_OF_UNITS, FORCES, N_FLOW, STATE_NAMES, UNITS
 from ship_gym.physics.waves import WAVE_NAMES

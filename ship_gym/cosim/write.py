@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import os
 import re
@@ -10,24 +11,28 @@ import shutil
 import sys
 import tempfile
 import uuid
+import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError, shown
+from ship_gym.config import ConfigError
 from ship_gym.cosim.fmi2 import CARD, FORMAT, SHIPS
 from ship_gym.cosim.osp import write_osp
 from ship_gym.cosim.unit import ShipUnit
 from ship_gym.cosim.values import sea_of, ship_of, start_values
+from ship_gym.keys import Keys
+from ship_gym.reading import check_unpacked, parsed_json, read_bytes, read_toml
 from ship_gym.ships.files import DATA, chain_of, file_of, text_of
+from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim
 from ship_gym.writing import atomic_path
 
 _SCRIPT = Path(__file__).with_name("fmi2_script.py")
 _MODEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,99}")
-_BESIDE = ("surrogate_*.npz", "hull_*.toml", "waves*.npz", "*.csv")  # of a ship file
+_HULLS, _TABLES = "hull_*.toml", ("surrogate_*.npz", "waves*.npz")  # beside a ship file
 _STEP = 1.0  # [s] that is proposed to a master
 
 
@@ -65,7 +70,7 @@ def write_fmu(ship: str | os.PathLike, path: str | os.PathLike, **given: Any) ->
     )
     groups = path.with_name(f"{model}_OspModelDescription.xml")
     with tempfile.TemporaryDirectory(prefix="ship_gym_fmu_") as folder:
-        files = _resources(Path(folder), model, values, vessel.propellers)
+        files = _resources(Path(folder), model, values, vessel)
         unit = ShipUnit(json.loads(files[CARD].read_text())["values"], vessel.propellers, Path())
         with atomic_path(path) as fmu, atomic_path(groups) as osp:
             _build(files, fmu)
@@ -90,9 +95,7 @@ def _needed() -> None:
         raise ImportError('an FMU needs pythonfmu: pip install "ship-gym[fmu]"') from None
 
 
-def _resources(
-    folder: Path, model: str, values: dict[str, Any], propellers: int
-) -> dict[str, Path]:
+def _resources(folder: Path, model: str, values: dict[str, Any], ship: Ship) -> dict[str, Path]:
     """What goes into the resources of an FMU, by name: card, script and own ships."""
     ships = folder / SHIPS
     name = values["ship.name"]
@@ -101,10 +104,11 @@ def _resources(
     version = metadata.version("ship-gym")
     card = {
         "format": FORMAT,
+        "ship": ship.name,
         "modelName": model,
-        "description": f"{name} in a sea, by Ship Gym {version}",
+        "description": f"{ship.name} in a sea, by Ship Gym {version}",
         "version": version,
-        "propellers": propellers,
+        "propellers": ship.propellers,
         "step": _STEP,
         "values": values,
     }
@@ -127,16 +131,27 @@ def _pack_ship(path: Path, ships: Path) -> str:
     str
         The ship file in `ships`.
     """
-    chain = [file.resolve() for file, _ in chain_of(file_of(path))]
-    own = [file for file in chain if DATA.resolve() not in file.parents]
-    top = Path(os.path.commonpath([file.parent.parent for file in own]))
-    for file in own:
-        beside = {found for kind in _BESIDE for found in file.parent.glob(kind)}
-        for found in (file, *sorted(beside)):
+    chain = [(file.resolve(), data) for file, data in chain_of(file_of(path))]
+    own = [(file, data) for file, data in chain if DATA.resolve() not in file.parents]
+    top = Path(os.path.commonpath([file.parent.parent for file, _ in own]))
+    for file, data in own:
+        for found in _with_its_files(file, data):
+            if top not in found.parents:
+                raise ConfigError(f"{file}: {found} is outside of {top}, where its FMU takes files")
             there = ships / found.relative_to(top)
             there.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(found, there)
-    return own[0].relative_to(top).as_posix()
+    return own[0][0].relative_to(top).as_posix()
+
+
+def _with_its_files(file: Path, data: Mapping[str, Any]) -> Iterator[Path]:
+    """A ship file, its hull sets and tables, and the open-water points that it or they name."""
+    hulls = sorted(file.parent.glob(_HULLS))
+    for one in (data, *map(read_toml, hulls)):
+        entry = one.get("open_water")
+        if isinstance(entry, Mapping) and isinstance(entry.get("points"), str):
+            yield (file.parent / entry["points"]).resolve()
+    yield from (file, *hulls, *(found for kind in _TABLES for found in file.parent.glob(kind)))
 
 
 def _build(files: Mapping[str, Path], path: Path) -> None:
@@ -165,12 +180,23 @@ def _left_as_it_was(module: str) -> Iterator[None]:
         sys.modules.pop(module, None)
 
 
-def checked_name(path: Path, option: str) -> Path:
-    """The path, refused as `model_name` does with the option that named it."""
-    try:
-        model_name(path)
-    except ConfigError as error:
-        raise ConfigError(
-            f"{option} {shown(str(path), 110)}{str(error)[len(str(path)) :]}"
-        ) from None
-    return path
+def usual_name(ship: str | os.PathLike) -> str:
+    """File that an FMU of a ship goes into if none is named."""
+    path = Path(ship)
+    name = path.parent.name if path.stem == "ship" and path.parent.name else path.stem
+    name = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    return f"{name if _MODEL.fullmatch(name) else f'ship_{name}'}.fmu"
+
+
+def ship_in(path: Path) -> str:
+    """The ship that an FMU of ours was written for, as it was named then.
+
+    Raises
+    ------
+    ConfigError, KeyError, OSError, ValueError
+        It is none.
+    """
+    with zipfile.ZipFile(io.BytesIO(read_bytes(path))) as archive:
+        check_unpacked(archive)
+        card = parsed_json(archive.read(f"resources/{CARD}"), path)
+    return Keys(card, str(path)).text("ship")

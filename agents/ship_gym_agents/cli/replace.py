@@ -168,6 +168,11 @@ def trials(ships: Iterable[str]) -> Result:
     return Result(f"values of the trials of {', '.join(ships)}", ["trials", ships])
 
 
+def fmu(ship: str) -> Result:
+    """A ship as a unit of co-simulation; what its parameters start with does not matter."""
+    return Result(f"an FMU of {ship}", ["fmu", ship])
+
+
 def page(verb: str) -> Result:
     """A page that a verb writes; it is drawn from results, so that which ones does not matter."""
     return Result(f"a page of ship-gym {verb}", ["page", verb])

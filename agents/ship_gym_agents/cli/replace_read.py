@@ -13,6 +13,7 @@ from ship_gym_agents.cli.replace import (
     bound,
     comparison,
     evaluation,
+    fmu,
     gains,
     history,
     page,
@@ -75,6 +76,12 @@ def _recording_in(path: Path) -> Result:
         from ship_gym.recording.rerun_export.compare import read_comparison
 
         return comparison(read_comparison(path)["sources"])
+
+
+def _fmu_in(path: Path) -> Result:
+    from ship_gym.cosim.write import ship_in
+
+    return fmu(ship_in(path))
 
 
 def _parquet_in(path: Path) -> Result:
@@ -140,4 +147,5 @@ _READERS: dict[str, Callable[[Path], Result | None]] = {
     ".json": _json_in,
     ".md": _markdown_in,
     ".html": _html_in,
+    ".fmu": _fmu_in,
 }
