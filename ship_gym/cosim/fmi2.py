@@ -32,12 +32,12 @@ def open_unit(slave: Any, resources: Path) -> GuardedUnit:
     ConfigError
         The card in them is of another version, or damaged.
     """
+    card = read_keys(resources / CARD)
+    card.whole("format", low=FORMAT, high=FORMAT)
     from pythonfmu import DefaultExperiment
     from pythonfmu import variables as kinds
     from pythonfmu.enums import Fmi2Causality, Fmi2Initial, Fmi2Status, Fmi2Variability
 
-    card = read_keys(resources / CARD)
-    card.whole("format", low=FORMAT, high=FORMAT)
     unit = ShipUnit(card.table("values").values, card.whole("propellers", 1, 2), resources / SHIPS)
     guarded = GuardedUnit(unit, lambda line: slave.log(line, Fmi2Status.error))
     for name in ("guid", "modelName", "description", "version"):

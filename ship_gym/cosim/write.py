@@ -24,7 +24,7 @@ from ship_gym.cosim.osp import write_osp
 from ship_gym.cosim.unit import ShipUnit
 from ship_gym.cosim.values import sea_of, ship_of, start_values
 from ship_gym.keys import Keys
-from ship_gym.reading import check_unpacked, parsed_json, read_bytes, read_toml
+from ship_gym.reading import check_unpacked, parsed_json, read_as, read_bytes, read_toml
 from ship_gym.ships.files import DATA, chain_of, file_of, text_of
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim
@@ -193,10 +193,11 @@ def ship_in(path: Path) -> str:
 
     Raises
     ------
-    ConfigError, KeyError, OSError, ValueError
+    ConfigError
         It is none.
     """
-    with zipfile.ZipFile(io.BytesIO(read_bytes(path))) as archive:
+    data = read_bytes(path)
+    with read_as(path, "an FMU of Ship Gym"), zipfile.ZipFile(io.BytesIO(data)) as archive:
         check_unpacked(archive)
         card = parsed_json(archive.read(f"resources/{CARD}"), path)
     return Keys(card, str(path)).text("ship")
