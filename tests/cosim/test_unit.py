@@ -1,4 +1,4 @@
-"""`ShipUnit` is ``ShipSim`` behind names: same states, any step, states that can be gone back to."""
+"""`ShipUnit` is ``ShipSim`` behind names: same states, any step, states to go back to."""
 
 import dataclasses
 import json
