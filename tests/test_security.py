@@ -317,6 +317,18 @@ def checkpoint(path):
     read_model(path)
 
 
+def fmu(path):
+    from ship_gym.cosim.write import ship_in
+
+    ship_in(path)
+
+
+def fmu_card(path):
+    from ship_gym.cosim.fmi2 import open_unit
+
+    open_unit(None, path.parent)
+
+
 def onnx(path):
     from ship_gym_agents.controllers import shipped_file
     from ship_gym_agents.policies.onnx_check import largest_difference
@@ -377,6 +389,8 @@ READERS = {
     "pickled replay buffer": (replay_buffer, "replay_buffer.pkl"),
     "checkpoint": (checkpoint, "model.zip"),
     "ONNX": (onnx, "policy.onnx"),
+    "FMU": (fmu, "unit.fmu"),
+    "card of an FMU": (fmu_card, "unit.json"),
 }
 
 
@@ -552,6 +566,8 @@ LIBRARIES = ("np", "numpy", "pickle", "torch", "json", "tomllib", "meshio", "tri
 OWN, WRITTEN = "the package's own data", "what this process has written itself"
 # Where files are read: the readers above that cover a module, or whose files they are.
 READS = {
+    "ship_gym/cosim/fmi2.py": {"card of an FMU"},
+    "ship_gym/cosim/write.py": {"FMU", "ship"},
     "ship_gym/csv_file.py": {"csv", "captive tests", "samples", "values of trials", "track csv"},
     "ship_gym/evaluation/episodes_table.py": {"results of a benchmark", "manoeuvres"},
     "ship_gym/evaluation/headroom.py": {"headroom"},

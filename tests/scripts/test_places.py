@@ -31,6 +31,7 @@ USUAL = {
     "draw": ["errors"],
     "fit-surrogate": ["--family", "gp"],
     "build-wave-table": ["--ship", "kcs_model"],
+    "fmu": [],
 }
 # verbs that print only, or write only where they are told to, or beside what they read
 OTHERS = {
