@@ -151,6 +151,12 @@ def track(path):
     load_track(path)
 
 
+def spectrum(path):
+    from ship_gym.sea import read_spectrum
+
+    read_spectrum(path)
+
+
 def table(path):
     from ship_gym.tables import Table
 
@@ -311,6 +317,18 @@ def checkpoint(path):
     read_model(path)
 
 
+def fmu(path):
+    from ship_gym.cosim.write import ship_in
+
+    ship_in(path)
+
+
+def fmu_card(path):
+    from ship_gym.cosim.fmi2 import open_unit
+
+    open_unit(None, path.parent)
+
+
 def onnx(path):
     from ship_gym_agents.controllers import shipped_file
     from ship_gym_agents.policies.onnx_check import largest_difference
@@ -331,8 +349,8 @@ READERS = {
     "values of trials": (trial_values, "a.csv"),
     "track csv": (track, "track.csv"),
     "track GeoJSON": (track, "track.geojson"),
-    "route RTZ": (track, "route.rtz"),
-    "route GPX": (track, "route.gpx"),
+    "spectrum csv": (spectrum, "a.csv"),
+    "spectrum netCDF": (spectrum, "a.nc"),
     "table": (table, "surrogate_mine.npz"),
     "wave table": (wave_table, "waves.npz"),
     "cells of a wave table": (wave_cells, "waves_000.npy"),
@@ -371,6 +389,8 @@ READERS = {
     "pickled replay buffer": (replay_buffer, "replay_buffer.pkl"),
     "checkpoint": (checkpoint, "model.zip"),
     "ONNX": (onnx, "policy.onnx"),
+    "FMU": (fmu, "unit.fmu"),
+    "card of an FMU": (fmu_card, "unit.json"),
 }
 
 
@@ -537,8 +557,8 @@ def test_nothing_else_unpickles_or_evaluates():
 
 
 READING = (
-    "open", "fdopen", "read_bytes", "read_text", "read_toml", "read_json", "read_xml", "read_npz",
-    "read_npy", "npz_arrays", "read_keys", "read_csv", "read_run_card", "read_run_state", "ZipFile",
+    "open", "fdopen", "read_bytes", "read_text", "read_toml", "read_json", "read_npz", "read_npy",
+    "npz_arrays", "read_keys", "read_csv", "read_run_card", "read_run_state", "ZipFile",
     "ParquetFile", "RrdReader", "load_mesh", "InferenceSession", "fromfile", "genfromtxt",
     "loadtxt", "memmap", "JournalFileBackend",
 )  # fmt: skip
@@ -546,6 +566,8 @@ LIBRARIES = ("np", "numpy", "pickle", "torch", "json", "tomllib", "meshio", "tri
 OWN, WRITTEN = "the package's own data", "what this process has written itself"
 # Where files are read: the readers above that cover a module, or whose files they are.
 READS = {
+    "ship_gym/cosim/fmi2.py": {"card of an FMU"},
+    "ship_gym/cosim/write.py": {"FMU", "ship"},
     "ship_gym/csv_file.py": {"csv", "captive tests", "samples", "values of trials", "track csv"},
     "ship_gym/evaluation/episodes_table.py": {"results of a benchmark", "manoeuvres"},
     "ship_gym/evaluation/headroom.py": {"headroom"},
@@ -559,7 +581,7 @@ READS = {
     "ship_gym/plain_csv.py": {"plain csv", "curve"},
     "ship_gym/plotting/figure.py": WRITTEN,
     "ship_gym/provenance.py": "any file, for its hash",
-    "ship_gym/reading.py": {"table", "ship", "track GeoJSON", "route RTZ", "route GPX"},
+    "ship_gym/reading.py": {"table", "ship", "track GeoJSON", "cells of a wave table"},
     "ship_gym/recording/journal.py": {"journal"},
     "ship_gym/recording/rerun_export/program.py": WRITTEN,
     "ship_gym/recording/rerun_export/rrd_file.py": {"recording", "recording without a seal"},
@@ -575,6 +597,8 @@ READS = {
     "ship_gym/reports/trials.py": {"values of trials", "ship"},
     "ship_gym/scenarios/scenario.py": {"scenario"},
     "ship_gym/sea/sea_states.py": OWN,
+    "ship_gym/sea/spectrum_files.py": {"spectrum csv"},
+    "ship_gym/sea/spectrum_netcdf.py": {"spectrum netCDF"},
     "ship_gym/sea/state.py": OWN,
     "ship_gym/sea/wave_table.py": {"wave table"},
     "ship_gym/sea/wind_coefficients.py": OWN,
@@ -592,9 +616,7 @@ READS = {
     "ship_gym/tasks/course/task.py": OWN,
     "ship_gym/tasks/heading/task.py": OWN,
     "ship_gym/tasks/track/task.py": OWN,
-    "ship_gym/tracks/geojson.py": {"track GeoJSON"},
-    "ship_gym/tracks/gpx.py": {"route GPX"},
-    "ship_gym/tracks/rtz.py": {"route RTZ"},
+    "ship_gym/tracks/files.py": {"track GeoJSON", "track csv"},
     "ship_gym/writing.py": "nothing: it looks whether there is room",
     "ship_gym_agents/cli/listing.py": OWN,
     "ship_gym_agents/cli/output.py": "the null device",
@@ -647,3 +669,38 @@ def test_a_small_file_needs_no_room_for_a_large_one(tmp_path):
         assert read_bytes(tmp_path / "a", 1 << 34) == b"abc"
     finally:
         resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+# --- sockets -------------------------------------------------------------------------------------
+
+# modules that bind a socket: to 127.0.0.1, or where a flag says otherwise
+BINDS = {
+    "ship_gym/recording/rerun_export/program.py": "finds a free port of 127.0.0.1 for the viewer",
+    "ship_gym_agents/serve/ports.py": "127.0.0.1, or --listen",
+}
+SERVERS = ("bind", "create_server", "start_server", "HTTPServer", "TCPServer", "UDPServer")
+
+
+def test_every_place_that_listens_is_listed():
+    found = {
+        name
+        for name, called_there in modules()
+        for called, _ in called_there
+        if called.rpartition(".")[2] in SERVERS
+    }
+    assert found == set(BINDS), "a module that binds a socket, or binds none any more: edit BINDS"
+
+
+def test_sockets_are_bound_to_this_machine():
+    pytest.importorskip("pynmea2")
+    from ship_gym_agents.cli.serve import command
+    from ship_gym_agents.serve.ports import Ports
+
+    from ship_gym.recording.rerun_export.program import HOST
+
+    listen = next(param for param in command.params if param.name == "listen")
+    with Ports(port=0) as usual, Ports(listen.default, port=0) as by_command:
+        bound = [address for ports in (usual, by_command) for _, address, _ in ports.bound]
+        assert bound == ["127.0.0.1"] * 4 and HOST == "127.0.0.1"
+        listening = [held for held in (usual._tcp, usual._udp) if held is not None]
+        assert {held.getsockname()[0] for held in listening} == {"127.0.0.1"}
