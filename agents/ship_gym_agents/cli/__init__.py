@@ -27,7 +27,7 @@ VERBS = {
     "record": "Record episodes as rerun or CSV files, read them back and compute their metrics.",
     "review": "Find, show, draw, compare, export and measure recordings.",
     "export": "Write a policy as ONNX for other programs, or as safetensors from older files.",
-    "fmu": "Write a ship in a sea as FMU (FMI 2.0) for co-simulation.",
+    "fmu": "Write a ship in a sea as FMU (FMI 2.0 or 3.0) for co-simulation.",
     "simulate": "Sail a standard manoeuvre or all trials of a ship.",
     "trials": "Sail every trial of every ship and compare, with the scatter of the facilities.",
     "linearise": "Linearise a ship on a straight course: derivatives, Nomoto's K and T, stability.",
