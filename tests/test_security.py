@@ -324,9 +324,9 @@ def fmu(path):
 
 
 def fmu_card(path):
-    from ship_gym.cosim.fmi2 import open_unit
+    from ship_gym.cosim.card import opened
 
-    open_unit(None, path.parent)
+    opened(path.parent, print)
 
 
 def onnx(path):
@@ -566,7 +566,7 @@ LIBRARIES = ("np", "numpy", "pickle", "torch", "json", "tomllib", "meshio", "tri
 OWN, WRITTEN = "the package's own data", "what this process has written itself"
 # Where files are read: the readers above that cover a module, or whose files they are.
 READS = {
-    "ship_gym/cosim/fmi2.py": {"card of an FMU"},
+    "ship_gym/cosim/card.py": {"card of an FMU"},
     "ship_gym/cosim/write.py": {"FMU", "ship"},
     "ship_gym/csv_file.py": {"csv", "captive tests", "samples", "values of trials", "track csv"},
     "ship_gym/evaluation/episodes_table.py": {"results of a benchmark", "manoeuvres"},

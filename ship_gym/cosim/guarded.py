@@ -2,7 +2,8 @@
 
 pythonfmu gives up an instance from which an exception comes, and a master that calls it once more
 ends with a crash. Nor can its functions but ``doStep`` say that something was refused. So a line
-is logged, and from then on every step is refused with it until the unit is reset.
+is logged, and from then on every step is refused with it until the unit is reset. pythonfmu3, for
+FMI 3.0, is the same.
 """
 
 from __future__ import annotations
@@ -75,6 +76,12 @@ class GuardedUnit:
         if refused:
             self._log(one_line(refused))
         return not refused
+
+    def time(self) -> float:
+        """Time now [s]."""
+        with self._kept():
+            return self.unit.time()
+        return math.nan
 
     def stored(self) -> dict[str, Any]:
         """As `ShipUnit.stored`; empty if there is nothing to store."""

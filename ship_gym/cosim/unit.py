@@ -57,13 +57,16 @@ class ShipUnit:
         Of inputs and parameters now.
     running : bool
         Whether parameters are fixed.
+    start_time : float or None
+        [s]; None: where the first step begins.
     """
 
     def __init__(self, values: Mapping[str, Any], propellers: int, folder: Path):
         self.values, self.propellers, self.folder = dict(values), propellers, folder
         self._placed = "start.latitude" in self.values
         self.variables = {v.name: v for v in variables(propellers, self._placed)}
-        self.running, self.start_time = False, 0.0
+        self.running = False
+        self.start_time: float | None = None
         self._sim: ShipSim | None = None
         self._loads: tuple[np.ndarray, np.ndarray] | None = None
         self._chart: Any = None
@@ -161,6 +164,10 @@ class ShipUnit:
         sim.reset(int(values["seed"]), speed=speed, n=n, psi=heading)
         return sim
 
+    def time(self) -> float:
+        """Where the unit is [s]."""
+        return (self.start_time or 0.0) + (float(self._sim.time[0]) if self._sim else 0.0)
+
     def step(self, time: float, interval: float) -> str:
         """Hold the inputs for one communication step.
 
@@ -175,7 +182,7 @@ class ShipUnit:
             Empty; or why there was no step, in a line: the unit is then as before it.
         """
         sim = self._made()
-        now = self.start_time + float(sim.time[0])
+        now = time if self.start_time is None else self.time()
         if not abs(time - now) <= _OFF * max(1.0, abs(now)):
             return f"a step from t = {time:.9g} s, but the unit is at {now:.9g} s"
         before = self._kept()
@@ -184,6 +191,8 @@ class ShipUnit:
         except (ConfigError, SimulationDiverged) as error:
             self._put_back(before)
             return " ".join(str(error).split())
+        if self.start_time is None:
+            self.start_time = time
         self._loads = None
         return ""
 
@@ -214,7 +223,7 @@ class ShipUnit:
         fixed = {k for k in values if self.variables[k].causality != "input"}
         if any(values[name] != self.values[name] for name in fixed):
             self._sim = None
-        self.values, self.start_time = dict(values), float(stored["start_time"])
+        self.values, self.start_time = dict(values), stored["start_time"]
         self.running = bool(stored["running"])
         if not self.running:
             self._sim = None

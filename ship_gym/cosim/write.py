@@ -1,8 +1,9 @@
-"""`write_fmu`: a ship in a sea as an FMU of FMI 2.0 for co-simulation."""
+"""`write_fmu`: a ship in a sea as an FMU of FMI 2.0 or 3.0 for co-simulation."""
 
 from __future__ import annotations
 
 import hashlib
+import importlib
 import io
 import json
 import os
@@ -15,11 +16,12 @@ import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ship_gym.config import ConfigError
-from ship_gym.cosim.fmi2 import CARD, FORMAT, SHIPS
+from ship_gym.config import ConfigError, check_known
+from ship_gym.cosim.card import CARD, FORMAT, SHIPS
 from ship_gym.cosim.osp import write_osp
 from ship_gym.cosim.unit import ShipUnit
 from ship_gym.cosim.values import sea_of, ship_of, start_values
@@ -30,13 +32,20 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import ShipSim
 from ship_gym.writing import atomic_path
 
-_SCRIPT = Path(__file__).with_name("fmi2_script.py")
+# version of FMI -> library that writes it, and how it names what a unit can do
+EXPORTERS = {"2": "pythonfmu", "3": "pythonfmu3"}
+_CAN = {
+    "2": {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True},
+    "3": {"canGetAndSetFMUState": True, "canSerializeFMUState": True},
+}
 _MODEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,99}")
 _HULLS, _TABLES = "hull_*.toml", ("surrogate_*.npz", "waves*.npz")  # beside a ship file
 _STEP = 1.0  # [s] that is proposed to a master
 
 
-def write_fmu(ship: str | os.PathLike, path: str | os.PathLike, **given: Any) -> list[Path]:
+def write_fmu(
+    ship: str | os.PathLike, path: str | os.PathLike, fmi: str = "2", **given: Any
+) -> list[Path]:
     """Write a ship as FMU, and beside it its groups of variables for OSP.
 
     Parameters
@@ -45,6 +54,8 @@ def write_fmu(ship: str | os.PathLike, path: str | os.PathLike, **given: Any) ->
         Name, or ship file: with all that lies beside it for it, it goes into the FMU.
     path : path
         ``MODEL.fmu``; the model has this name.
+    fmi : str
+        Version of FMI, ``"2"`` or ``"3"``.
     **given
         What parameters start with, as in ``values.start_values``.
 
@@ -58,9 +69,11 @@ def write_fmu(ship: str | os.PathLike, path: str | os.PathLike, **given: Any) ->
     ConfigError
         A parameter that is refused, or a name that no model may have.
     ImportError
-        pythonfmu is not installed.
+        pythonfmu, or pythonfmu3, is not installed.
     """
-    _needed()
+    check_known("version of FMI", fmi, EXPORTERS)
+    if find_spec(EXPORTERS[fmi]) is None:
+        raise ImportError(f'an FMU needs {EXPORTERS[fmi]}: pip install "ship-gym[fmu]"')
     path = Path(path)
     model = model_name(path)
     values = start_values(text_of(ship), **given)
@@ -70,10 +83,10 @@ def write_fmu(ship: str | os.PathLike, path: str | os.PathLike, **given: Any) ->
     )
     groups = path.with_name(f"{model}_OspModelDescription.xml")
     with tempfile.TemporaryDirectory(prefix="ship_gym_fmu_") as folder:
-        files = _resources(Path(folder), model, values, vessel)
+        files = _resources(Path(folder), model, values, vessel, fmi)
         unit = ShipUnit(json.loads(files[CARD].read_text())["values"], vessel.propellers, Path())
         with atomic_path(path) as fmu, atomic_path(groups) as osp:
-            _build(files, fmu)
+            _build(files, fmu, fmi)
             write_osp(unit, osp)
     return [path, groups]
 
@@ -88,14 +101,9 @@ def model_name(path: Path) -> str:
     return path.stem
 
 
-def _needed() -> None:
-    try:
-        import pythonfmu  # noqa: F401
-    except ImportError:
-        raise ImportError('an FMU needs pythonfmu: pip install "ship-gym[fmu]"') from None
-
-
-def _resources(folder: Path, model: str, values: dict[str, Any], ship: Ship) -> dict[str, Path]:
+def _resources(
+    folder: Path, model: str, values: dict[str, Any], ship: Ship, fmi: str
+) -> dict[str, Path]:
     """What goes into the resources of an FMU, by name: card, script and own ships."""
     ships = folder / SHIPS
     name = values["ship.name"]
@@ -119,7 +127,7 @@ def _resources(folder: Path, model: str, values: dict[str, Any], ship: Ship) -> 
     (folder / CARD).write_text(json.dumps(card, indent=1), encoding="utf-8")
     # modules of all FMUs of a process have one name space: each has a name of its own
     script = folder / f"ship_gym_unit_{card['guid'].replace('-', '')}.py"
-    shutil.copyfile(_SCRIPT, script)
+    shutil.copyfile(Path(__file__).with_name(f"fmi{fmi}_script.py"), script)
     return {CARD: folder / CARD, "script": script} | ({SHIPS: ships} if ships.exists() else {})
 
 
@@ -154,19 +162,14 @@ def _with_its_files(file: Path, data: Mapping[str, Any]) -> Iterator[Path]:
     yield from (file, *hulls, *(found for kind in _TABLES for found in file.parent.glob(kind)))
 
 
-def _build(files: Mapping[str, Path], path: Path) -> None:
+def _build(files: Mapping[str, Path], path: Path, fmi: str) -> None:
     """Have pythonfmu put the FMU together."""
-    from pythonfmu import FmuBuilder
-
+    builder = importlib.import_module(EXPORTERS[fmi]).FmuBuilder
     script = files["script"]
-    with _left_as_it_was(script.stem):
-        FmuBuilder.build_FMU(
-            script,
-            path,
-            project_files=[file for name, file in files.items() if name != "script"],
-            canGetAndSetFMUstate=True,
-            canSerializeFMUstate=True,
-        )
+    project = [file for name, file in files.items() if name != "script"]
+    with _left_as_it_was(script.stem), tempfile.TemporaryDirectory() as folder:
+        made = builder.build_FMU(script, folder, project_files=project, **_CAN[fmi])
+        shutil.copyfile(made, path)
 
 
 @contextmanager

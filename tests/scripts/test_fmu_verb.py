@@ -69,6 +69,25 @@ def test_what_cannot_be_is_one_line_and_nothing_is_written(cli, tmp_path, argume
     assert not [file for file in tmp_path.rglob("*") if file.is_file()]
 
 
+def test_an_fmu_of_fmi_3(cli, tmp_path, monkeypatch):
+    pytest.importorskip("pythonfmu3")
+    code, out, _ = cli("fmu", "--fmi", "3", "--out", "a.fmu")
+    assert code == 0 and "kcs as FMU of FMI 3.0 for co-simulation" in out
+    with zipfile.ZipFile(tmp_path / "a.fmu") as archive:
+        assert b'fmiVersion="3.0"' in archive.read("modelDescription.xml")
+
+
+@pytest.mark.parametrize(("fmi", "library"), [("2", "pythonfmu"), ("3", "pythonfmu3")])
+def test_a_missing_library_is_one_line(cli, tmp_path, monkeypatch, fmi, library):
+    from ship_gym_agents.cli import output
+
+    found = output.find_spec
+    monkeypatch.setattr(output, "find_spec", lambda name: None if name == library else found(name))
+    code, out, err = cli("fmu", "--fmi", fmi)
+    assert (code, out, err.count("\n")) == (2, "", 1) and not list(tmp_path.iterdir())
+    assert f'need {library}: pip install "ship-gym[fmu]"' in err
+
+
 def test_an_fmu_of_another_ship_is_replaced_by_force_only(cli):
     assert cli("fmu", "--out", "a.fmu")[0] == 0
     assert cli("fmu", "--out", "a.fmu", "--sea", "ss4")[0] == 0

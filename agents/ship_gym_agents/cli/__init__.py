@@ -28,7 +28,7 @@ VERBS = {
     "review": "Find, show, draw, compare, export and measure recordings.",
     "route": "Show a route of an ECDIS or a plotter: legs, turns, limits; write it anew.",
     "export": "Write a policy as ONNX for other programs, or as safetensors from older files.",
-    "fmu": "Write a ship in a sea as FMU (FMI 2.0) for co-simulation.",
+    "fmu": "Write a ship in a sea as FMU (FMI 2.0 or 3.0) for co-simulation.",
     "simulate": "Sail a standard manoeuvre or all trials of a ship.",
     "serve": "Sail a ship on NMEA 0183 over TCP and UDP, steered by another autopilot.",
     "trials": "Sail every trial of every ship and compare, with the scatter of the facilities.",

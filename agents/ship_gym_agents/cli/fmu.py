@@ -67,29 +67,30 @@ _COMPASS = Number(-360.0, 360.0, "deg")
     metavar="LAT LON",
     help="Place of the start [deg]; the unit then gives latitude and longitude.",
 )
+@click.option("--fmi", type=click.Choice(["2", "3"]), default="2", help="Version of FMI.")
 @out(".fmu", "The file's name is the model's; default: runs/ and the ship's name.")
 @force()
-def command(as_json, ship, at, out, force, **options) -> None:
-    """Write a ship in a sea as FMU (FMI 2.0) for co-simulation.
+def command(as_json, ship, at, fmi, out, force, **options) -> None:
+    """Write a ship in a sea as FMU (FMI 2.0 or 3.0) for co-simulation.
 
     All that is set here is only what its parameters start with: a master may set them before it
     initialises the unit. Inputs are rudder and propeller orders; outputs motion, loads, flow and
     wave motion. Beside the FMU stand groups of its variables for the Open Simulation Platform.
     The Python that runs the FMU needs Ship Gym.
     """
-    from ship_gym.cosim.write import usual_name, write_fmu
+    from ship_gym.cosim.write import EXPORTERS, usual_name, write_fmu
     from ship_gym.ships.loader import load_ship
     from ship_gym_agents.cli.output import need, place, show
     from ship_gym_agents.cli.replace import check_replaced, fmu
 
-    need("pythonfmu")
+    need(EXPORTERS[fmi])
     path = place(out, Path("runs") / usual_name(ship))
     check_replaced(out, fmu(load_ship(ship).name), force)
     given = _given(options)
     if at:
         given |= {"start.latitude": at[0], "start.longitude": at[1]}
-    files = write_fmu(ship, path, **given)
-    found = {"ship": str(ship), "files": [str(file) for file in files], "values": given}
+    files = write_fmu(ship, path, fmi, **given)
+    found = {"ship": str(ship), "fmi": fmi, "files": [str(file) for file in files], "values": given}
     show(as_json, found | {"bytes": files[0].stat().st_size}, _as_text(found, files[0]))
 
 
@@ -107,7 +108,7 @@ def _given(options: dict[str, Any]) -> dict[str, Any]:
 
 def _as_text(found: dict[str, Any], path: Path) -> str:
     sea = found["values"]["sea.name"]
-    lines = [f"{found['ship']} as FMU of FMI 2.0 for co-simulation, sea {sea}"]
+    lines = [f"{found['ship']} as FMU of FMI {found['fmi']}.0 for co-simulation, sea {sea}"]
     lines += [f"wrote {file}" for file in found["files"]]
     lines.append(f"next: python -m fmpy info {path}; docs/cosimulation.md sails a zig-zag with it")
     return "\n".join(lines)

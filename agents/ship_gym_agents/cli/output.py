@@ -30,6 +30,7 @@ _EXTRAS = {
     "torch": ("rl", "training"),
     "onnx": ("onnx", "ONNX files"),
     "pythonfmu": ("fmu", "FMUs"),
+    "pythonfmu3": ("fmu", "FMUs of FMI 3.0"),
 }
 
 
