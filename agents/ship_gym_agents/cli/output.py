@@ -29,6 +29,7 @@ _EXTRAS = {
     "stable_baselines3": ("rl", "training"),
     "torch": ("rl", "training"),
     "onnx": ("onnx", "ONNX files"),
+    "minari": ("minari", "data sets"),
 }
 
 
