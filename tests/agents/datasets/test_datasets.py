@@ -19,7 +19,7 @@ from ship_gym_agents.datasets import write as writing  # noqa: E402
 from ship_gym_agents.datasets.action_noise import action_noise  # noqa: E402
 from ship_gym_agents.datasets.sail import batches, sail  # noqa: E402
 
-SHORT = {"overrides": {"duration": 20.0}}
+SHORT = {"overrides": {"duration": 60.0}}
 NAME = "ShipGym/HeadingKeeping/pid-lqg-noise-0-0_1-kcs-v0"
 
 
@@ -71,7 +71,7 @@ def test_the_environment_is_the_one_that_sailed(dataset):
     env = dataset.recover_environment()
     assert env.spec.id == "ShipGym/HeadingKeeping-v0"
     assert env.spec.kwargs == {"scenario": "heading_keeping", "info": "flat", **SHORT}
-    assert env.unwrapped.scenario.duration == 20.0
+    assert env.unwrapped.scenario.duration == 60.0
     assert dataset.observation_space == env.observation_space
     assert dataset.action_space == env.action_space
     vector = gym.make_vec(dataset.env_spec, num_envs=2)
@@ -84,7 +84,7 @@ def test_everything_is_in_minaris_spaces(dataset):
         n = len(episode)
         assert all(map(dataset.observation_space.contains, episode.observations))
         assert all(map(dataset.action_space.contains, episode.actions))
-        assert len(episode.observations) == n + 1 == 21
+        assert len(episode.observations) == n + 1 == 61
         assert not episode.terminations.any()
         assert episode.truncations[-1] and not episode.truncations[:-1].any()
         for values in episode.infos.values():
@@ -99,14 +99,14 @@ def test_without_noise_it_is_the_rollout_of_the_controller(dataset):
         seeds = [one["seed"] for one in told_of(own)]
         sailed = rollout(make_controller(name), seeds=seeds, **SHORT)
         for i, episode in enumerate(own):
-            given = sailed.histories["actions"][:20, i]
+            given = sailed.histories["actions"][:60, i]
             assert np.allclose(episode.actions, given, rtol=0.0, atol=1e-6)
-            seen = sailed.histories["observations"][:21, i]
+            seen = sailed.histories["observations"][:61, i]
             assert np.allclose(episode.observations, seen, rtol=0.0, atol=1e-5)
 
 
 def test_select_and_metadata_of_episodes(dataset):
-    assert dataset.total_episodes == 12 and dataset.total_steps == 240
+    assert dataset.total_episodes == 12 and dataset.total_steps == 720
     told = told_of(dataset)
     assert [one["seed"] for one in told] == [*range(5, 17)]
     assert [one["controller"] for one in told] == ["pid"] * 6 + ["lqg"] * 6
@@ -136,6 +136,15 @@ def test_the_scores_of_minari(dataset, folder):
     assert row["normalised_mean"] == pytest.approx(score)
 
 
+def test_no_score_where_the_expert_is_no_better_than_chance(tmp_path):
+    """In 20 s on a heading a still rudder earns no more than one that is moved at random."""
+    plan = Plan(episodes=1, env={"overrides": {"duration": 20.0}}, infos=False)
+    made = write_set(plan, tmp_path)
+    assert made.card["reference_scores"]["expert"] < made.card["reference_scores"]["random"]
+    assert made.card["entries"][0]["normalised_mean"] is None
+    assert "ref_max_score" not in load_set(made.name, tmp_path).storage.metadata
+
+
 def test_the_card_and_what_minari_knows(dataset, folder):
     card = json.loads((folder / NAME / "card.json").read_text())
     known = dataset.storage.metadata
@@ -146,11 +155,11 @@ def test_the_card_and_what_minari_knows(dataset, folder):
     )
     assert known["requirements"] == ["ship-gym==0.1.0"] and known["license"] == "Apache-2.0"
     assert [row["seeds"] for row in card["entries"]] == [[5, 7], [8, 10], [11, 13], [14, 16]]
-    assert card["steps"] == 240 and card["seeds"]["split"] == "training"
+    assert card["steps"] == 720 and card["seeds"]["split"] == "training"
     assert card["controllers"]["pid"]["gains_files"].keys() >= {"pid_kcs.toml"}
     assert {"minari", "numpy", "ship-gym"} <= card["versions"].keys() and card["git_commit"]
     text = (folder / NAME / "README.md").read_text()
-    assert text.startswith(f"# {NAME}\n") and "| lqg | 0.1 | 3 | 14 to 16 | 60 |" in text
+    assert text.startswith(f"# {NAME}\n") and "| lqg | 0.1 | 3 | 14 to 16 | 180 |" in text
 
 
 def test_minari_itself_finds_and_reads_it_without_network(folder, monkeypatch):
@@ -161,9 +170,9 @@ def test_minari_itself_finds_and_reads_it_without_network(folder, monkeypatch):
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(folder))
     assert [*minari.list_local_datasets()] == [NAME]
     loaded = minari.load_dataset(NAME)
-    assert len(loaded) == 12 and loaded[0].infos["forces.hull"].shape == (21, 3)
+    assert len(loaded) == 12 and loaded[0].infos["forces.hull"].shape == (61, 3)
     assert minari.namespace.list_local_namespaces() == ["ShipGym", "ShipGym/HeadingKeeping"]
-    assert load_set(NAME).total_steps == 240
+    assert load_set(NAME).total_steps == 720
 
 
 def test_the_same_plan_gives_the_same_set_whatever_the_batches(tmp_path, monkeypatch):
@@ -181,7 +190,7 @@ def test_the_same_plan_gives_the_same_set_whatever_the_batches(tmp_path, monkeyp
 
 
 def test_an_episode_that_ends_at_a_limit_is_terminated_and_cut(tmp_path):
-    env = {"overrides": {"duration": 300.0, "limits.heading_error_deg": 20.0}}
+    env = {"overrides": {"duration": 300.0, "limits.heading_error_deg": 35.0}}
     plan = Plan(("constant", "pid"), episodes=4, env=env)
     dataset = load_set(write_set(plan, tmp_path, "cut-v0").name, tmp_path)
     ends = [(e.terminations[-1], e.truncations[-1], len(e)) for e in dataset]
