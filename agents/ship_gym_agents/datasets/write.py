@@ -131,6 +131,7 @@ def env_spec(ready: Prepared) -> Any:
     else:
         spec.kwargs = {"scenario": _with_whole_paths(ready.scenario.to_dict())}
     spec.kwargs["info"] = "flat"
+    spec.max_episode_steps = ready.scenario.steps  # the episode's own; readers of sets ask for it
     return spec
 
 

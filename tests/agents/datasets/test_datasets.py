@@ -71,7 +71,7 @@ def test_the_environment_is_the_one_that_sailed(dataset):
     env = dataset.recover_environment()
     assert env.spec.id == "ShipGym/HeadingKeeping-v0"
     assert env.spec.kwargs == {"scenario": "heading_keeping", "info": "flat", **SHORT}
-    assert env.unwrapped.scenario.duration == 60.0
+    assert env.unwrapped.scenario.duration == 60.0 and env.spec.max_episode_steps == 60
     assert dataset.observation_space == env.observation_space
     assert dataset.action_space == env.action_space
     vector = gym.make_vec(dataset.env_spec, num_envs=2)
