@@ -1,9 +1,9 @@
 """Behaviour cloning from a data set: load one, learn to do what the PID does, judge the clone.
 
-Offline learners begin with such a set (docs/datasets.md). Here the PID sails with and without noise
-on its rudder; the noise shows states beside its usual ones, and the infos keep what it asked for
-there. A network of plain torch learns that and then sails beside it. Nothing is downloaded. Needs
-``pip install "ship-gym[rl,minari]"``.
+Offline learners begin with such a set (docs/datasets.md). The PID sails seeded episodes, all in one
+batch, which go to Minari; a network of plain torch learns what it asked for, and then sails beside
+it. With ``--noise 0 0.1`` the set shows states beside its usual ones, too; the infos keep what it
+asked for there. Nothing is downloaded. Needs ``pip install "ship-gym[rl,minari]"``.
 
 The PID filters what it sees, and so remembers; the network sees one moment only and copies it well,
 not exactly.
@@ -30,7 +30,8 @@ from ship_gym.writing import atomic_path, check_place
 
 EXAMPLES = """examples:
   python docs/examples/clone_pid.py
-  python docs/examples/clone_pid.py --episodes 100 --noise 0 --epochs 60 --datasets runs/sets --json"""
+  python docs/examples/clone_pid.py --episodes 15 --noise 0 0.1
+  python docs/examples/clone_pid.py --episodes 200 --epochs 60 --datasets runs/sets --json"""
 
 
 def recorded(plan: Plan, folder: Path) -> minari.MinariDataset:
@@ -69,7 +70,7 @@ class Normalised(nn.Module):
 def clone(seen: torch.Tensor, done: torch.Tensor, epochs: int, seed: int):
     """A network that gives the recorded actions, and its rms error on a tenth that it never saw."""
     torch.manual_seed(seed)
-    held_out = len(seen) - len(seen) // 10  # the last episodes
+    held_out = len(seen) - len(seen) // 10  # the last ones
     mean, std = seen[:held_out].mean(0), seen[:held_out].std(0) + 1e-3
     network = nn.Sequential(
         Normalised(mean, std),
@@ -98,10 +99,8 @@ def arguments() -> argparse.Namespace:
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    p.add_argument("--episodes", type=int, default=15, help="to sail with each noise (default 15)")
-    p.add_argument(
-        "--noise", type=float, nargs="+", default=[0.0, 0.1], help="as of ship-gym dataset"
-    )
+    p.add_argument("--episodes", type=int, default=30, help="with each noise (default 30)")
+    p.add_argument("--noise", type=float, nargs="+", default=[0.0], help="on actions; default 0")
     p.add_argument("--epochs", type=int, default=30, help="over the set (default 30)")
     p.add_argument("--ship", default="kcs", help="default kcs")
     p.add_argument("--judge", type=int, default=16, help="evaluation episodes (default 16)")
@@ -137,8 +136,8 @@ def main() -> None:
         "out": str(a.out),
     }
     text = (
-        f"{len(seen)} samples of {a.episodes * len(a.noise)} episodes, cloned in {seconds:.1f} s; rms error of "
-        f"the action on the last tenth, held out: {error:.3f} (actions are in [-1, 1])\n"
+        f"{len(seen)} samples of {a.episodes * len(a.noise)} episodes, cloned in {seconds:.1f} s; "
+        f"rms error of the action on a tenth, held out: {error:.3f} (actions are in [-1, 1])\n"
         f"{in_words(judged, 'clone')}\nwrote {a.out}"
     )
     show(a.json, result, text)

@@ -102,7 +102,8 @@ def test_cloning(example, tmp_path):
     pytest.importorskip("minari")
     from ship_gym_agents.datasets import load_set
 
-    options = ["--episodes", 6, "--epochs", 12, "--judge", 3, "--datasets", "sets", "--json"]
+    options = ["--episodes", 6, "--noise", 0, 0.1, "--epochs", 12, "--judge", 3]
+    options += ["--datasets", "sets", "--json"]
     code, out, err = example("clone_pid", *options)
     assert code == 0, err
     result = json.loads(out)
