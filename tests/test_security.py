@@ -338,6 +338,36 @@ def onnx(path):
         pytest.skip("no onnxruntime")
 
 
+def set_metadata(path):
+    """A data set of Minari, by its metadata."""
+    pytest.importorskip("minari")
+    from ship_gym_agents.datasets import read_set
+
+    data = path.parent / "set" / "data"
+    data.mkdir(parents=True, exist_ok=True)
+    shutil.copy(path, data / "metadata.json")
+    read_set(data.parent)
+
+
+def set_episodes(path):
+    """A data set of Minari whose metadata are right, by its episodes."""
+    minari = pytest.importorskip("minari")
+    from ship_gym_agents.datasets import read_set
+
+    box = {"type": "Box", "dtype": "float32", "shape": [1], "low": [-1.0], "high": [1.0]}
+    spec = {"id": "ShipGym/HeadingKeeping-v0", "kwargs": {}}
+    spec["entry_point"] = "ship_gym.envs.classes:HeadingKeeping"
+    spaces = dict.fromkeys(("observation_space", "action_space"), json.dumps(box))
+    about = {"dataset_id": "a-v0", "data_format": "hdf5", "minari_version": minari.__version__}
+    counts = {"total_episodes": 1, "total_steps": 1}
+    data = path.parent / "set" / "data"
+    data.mkdir(parents=True, exist_ok=True)
+    shutil.copy(path, data / "main_data.hdf5")
+    metadata = {"env_spec": json.dumps(spec), **spaces, **about, **counts}
+    (data / "metadata.json").write_text(json.dumps(metadata))
+    read_set(data.parent)
+
+
 READERS = {
     "ship": (ship, "ship.toml"),
     "scenario": (scenario, "scenario.toml"),
@@ -353,6 +383,8 @@ READERS = {
     "spectrum netCDF": (spectrum, "a.nc"),
     "table": (table, "surrogate_mine.npz"),
     "wave table": (wave_table, "waves.npz"),
+    "metadata of a data set": (set_metadata, "metadata.json"),
+    "episodes of a data set": (set_episodes, "main_data.hdf5"),
     "cells of a wave table": (wave_cells, "waves_000.npy"),
     "mesh stl": (mesh, "hull.stl"),
     "mesh obj": (mesh, "hull.obj"),
@@ -622,6 +654,7 @@ READS = {
     "ship_gym_agents/cli/output.py": "the null device",
     "ship_gym_agents/cli/replace_read.py": {"gains", "card of a run"},
     "ship_gym_agents/cli/review/show.py": "a browser, at an address of this machine",
+    "ship_gym_agents/datasets/read.py": {"metadata of a data set", "episodes of a data set"},
     "ship_gym_agents/gains_files.py": {"gains"},
     "ship_gym_agents/policies/old_zip.py": {"policy of version 0.1"},
     "ship_gym_agents/policies/onnx_check.py": {"ONNX"},

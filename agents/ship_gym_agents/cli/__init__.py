@@ -25,6 +25,7 @@ VERBS = {
     "report": "Write the page of a benchmark from its results, a file or the folder of a run.",
     "bound": "Estimate the best that control can reach: optimised plans with full knowledge.",
     "record": "Record episodes as rerun or CSV files, read them back and compute their metrics.",
+    "dataset": "Write a Minari data set of controllers for offline learning, with a card.",
     "review": "Find, show, draw, compare, export and measure recordings.",
     "route": "Show a route of an ECDIS or a plotter: legs, turns, limits; write it anew.",
     "export": "Write a policy as ONNX for other programs, or as safetensors from older files.",
