@@ -27,7 +27,6 @@ def example(monkeypatch, tmp_path, capsys):
     """Run an example in this process, in an empty folder: exit code, stdout, stderr."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(EXAMPLES))
-    monkeypatch.setenv("MINARI_DATASETS_PATH", "")  # so that it is as before afterwards
 
     def call(name, *arguments):
         pytest.importorskip(NEEDS.get(name, "torch"))
@@ -101,9 +100,12 @@ def test_ppo_without_a_card(example):
 
 
 def test_cloning(example, tmp_path):
-    """A clone of few episodes stays on the heading; its set can be read again."""
-    minari = pytest.importorskip("minari")
-    options = ["--episodes", 12, "--epochs", 12, "--judge", 3, "--datasets", "sets", "--json"]
+    """A clone of few episodes stays on the heading; its set is read again, not sailed again."""
+    pytest.importorskip("minari")
+    from ship_gym_agents.datasets import load_set
+
+    options = ["--episodes", 6, "--noise", 0, 0.1, "--epochs", 12, "--judge", 3]
+    options += ["--datasets", "sets", "--json"]
     code, out, err = example("clone_pid", *options)
     assert code == 0, err
     result = json.loads(out)
@@ -111,10 +113,18 @@ def test_cloning(example, tmp_path):
     assert result["rms_error_held_out"] < 0.1
     metrics = judged_metrics(result, "clone")
     assert metrics["success"]["clone"] == 1.0 and metrics["J_steady"]["clone"] < 20.0
-    dataset = minari.load_dataset("ShipGym/HeadingKeeping/pid-kcs-12-v0")
-    first = dataset[0]
-    assert first.observations.shape == (601, 9) and first.truncations[-1]
+    name = "ShipGym/HeadingKeeping/pid-kcs-6-0-0_1-v0"
+    dataset = load_set(name, "sets")
+    assert dataset[0].observations.shape == (601, 9) and dataset[0].truncations[-1]
     assert dataset.recover_environment().unwrapped.ship.name == "kcs"
+    written = (tmp_path / "sets" / name / "card.json").stat().st_mtime_ns
+    code, again, err = example("clone_pid", *options)
+    assert code == 0, err
+    assert (tmp_path / "sets" / name / "card.json").stat().st_mtime_ns == written
+    timed = ("seconds",)
+    assert {k: v for k, v in json.loads(again).items() if k not in timed} == {
+        k: v for k, v in result.items() if k not in timed
+    }
 
 
 @pytest.mark.slow
