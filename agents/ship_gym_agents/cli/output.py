@@ -31,6 +31,7 @@ _EXTRAS = {
     "onnx": ("onnx", "ONNX files"),
     "pythonfmu": ("fmu", "FMUs"),
     "pythonfmu3": ("fmu", "FMUs of FMI 3.0"),
+    "minari": ("minari", "data sets"),
 }
 
 
