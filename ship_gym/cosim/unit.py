@@ -27,7 +27,7 @@ from ship_gym.cosim.variables import (
 )
 from ship_gym.simulation import ShipSim, SimulationDiverged
 
-_OFF = 1e-6  # a step may begin so far [s] from where the last one ended, and by that share of it
+_OFF, _ROUNDING = 1e-6, 1e-9  # a step may begin so far from the end of the last [s], share of t
 _FORMAT = 1  # of a stored state
 # what a step changes, beside the current of now
 _ARRAYS = ("state", "time", "commands", "clock", "lost", "forces", "flow", "met")
@@ -183,7 +183,7 @@ class ShipUnit:
         """
         sim = self._made()
         now = time if self.start_time is None else self.time()
-        if not abs(time - now) <= _OFF * max(1.0, abs(now)):
+        if not abs(time - now) <= _OFF + _ROUNDING * abs(now):
             return f"a step from t = {time:.9g} s, but the unit is at {now:.9g} s"
         before = self._kept()
         try:
