@@ -51,10 +51,10 @@ def read_geojson(path: Path, geometry: str | None = None) -> Route | Track:
         if not isinstance(data, dict) or "type" not in data:
             raise ConfigError('not GeoJSON: no object with a "type"')
         features = features_of(data)
-        positions = positions_of(features)
+        units = _units(data, features)
+        positions = positions_of(features, 0.0 if units == "m" else 360.0)
         check_count(len(positions))
         pairs = np.array([_pair(i, position) for i, position in enumerate(positions)])
-        units = _units(data, features)
         if units == "m":
             return Track(pairs[:, ::-1])
         _check_degrees(*pairs.T)
