@@ -127,6 +127,7 @@ def told(found: Mapping[str, Any]) -> str:
         lines.append(f"dropped  {each['count']} for {why}, the latest: {each['what']}")
     if found["late_intervals"]:
         lines.append(
-            f"late     {found['late_intervals']} intervals: the machine is too slow for this"
+            f"late     {found['late_intervals']} intervals; {found['speed_up']:g} seconds of the "
+            "ship in one was all"
         )
     return "\n".join(lines)
