@@ -71,7 +71,11 @@ def geodesic(latitude: Any, longitude: Any, latitude_to: Any, longitude_to: Any)
     """Shortest line to another place."""
     lines = np.broadcast_arrays(longitude, latitude, longitude_to, latitude_to)
     there, back, length = _geod().inv(*(np.array(v, dtype=np.float64) for v in lines))
-    return Line(np.radians(np.asarray(there)), np.radians(wrap_longitude(np.asarray(back) + 180.0)), np.asarray(length))
+    return Line(
+        np.radians(np.asarray(there)),
+        np.radians(wrap_longitude(np.asarray(back) + 180.0)),
+        np.asarray(length),
+    )
 
 
 def geodesic_forward(latitude: Any, longitude: Any, bearing: Any, length: Any) -> tuple[Any, Any]:

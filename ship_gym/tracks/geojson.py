@@ -106,9 +106,9 @@ def _route(pairs: np.ndarray, data: dict, features: list[dict], geometry: str | 
     points = _listed(said, "waypoints", count)
     legs = _listed(said, "legs", count - 1)
     usual = check_known("geometry", said.get("geometry", geometry or GEOMETRIES[0]), GEOMETRIES)
-    name = said.get("name", "")
+    name = said.get("name") or ""  # GDAL writes null
     return Route(
-        name if isinstance(name, str) else "",
+        name,
         tuple(
             build(Waypoint, point | {"longitude": lon, "latitude": lat}, f"way-point {i}")
             for i, (point, (lon, lat)) in enumerate(zip(points, pairs.tolist(), strict=True))

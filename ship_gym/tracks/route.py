@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -23,6 +24,8 @@ GEOMETRIES = ("loxodrome", "orthodrome")
 LARGEST_COUNT = 20_000  # way-points of a route
 MOST_LEGS = 100_000  # of the plane
 SHARPEST = math.radians(175.0)  # a planned turn; beyond it the leg is sailed back
+_LONGEST_NAME = 1000  # characters
+_NO_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _PLACES = 12  # decimals of a degree of a wrapped longitude: what 360 added may have lost
 _FARTHEST_ASIDE = 1e6  # [m]
 _FASTEST = 100.0  # [m/s]
@@ -56,6 +59,7 @@ class Waypoint:
     id: int | None = None
 
     def __post_init__(self):
+        object.__setattr__(self, "name", _checked_name(self.name))
         top = geodesy.HIGHEST
         check_number("latitude", self.latitude, -top, top, "deg", tiny=True)
         longitude = check_number("longitude", self.longitude, -540.0, 540.0, "deg", tiny=True)
@@ -121,6 +125,7 @@ class Route:
     legs: tuple[Leg, ...] = ()
 
     def __post_init__(self):
+        object.__setattr__(self, "name", _checked_name(self.name))
         waypoints, legs = tuple(self.waypoints), tuple(self.legs)
         check_count(len(waypoints))
         if len(waypoints) < 2:
@@ -284,6 +289,16 @@ class Route:
         forward = geodesy.geodesic_forward if great else geodesy.rhumb_forward
         place = self.waypoints[k]
         return np.stack(forward(place.latitude, place.longitude, lines.bearing[k], at), axis=-1)
+
+
+def _checked_name(name: Any) -> str:
+    """A name without spaces at its ends, or ConfigError if XML could not hold it."""
+    if not isinstance(name, str) or len(name) > _LONGEST_NAME or _NO_XML.search(name):
+        raise ConfigError(
+            f"name = {shown(name)}: must be a text of at most {_LONGEST_NAME} characters without "
+            "control characters"
+        )
+    return name.strip()
 
 
 def _turns(lines: geodesy.Line) -> np.ndarray:
