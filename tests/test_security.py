@@ -151,6 +151,12 @@ def track(path):
     load_track(path)
 
 
+def spectrum(path):
+    from ship_gym.sea import read_spectrum
+
+    read_spectrum(path)
+
+
 def table(path):
     from ship_gym.tables import Table
 
@@ -311,6 +317,18 @@ def checkpoint(path):
     read_model(path)
 
 
+def fmu(path):
+    from ship_gym.cosim.write import ship_in
+
+    ship_in(path)
+
+
+def fmu_card(path):
+    from ship_gym.cosim.card import opened
+
+    opened(path.parent, print)
+
+
 def onnx(path):
     from ship_gym_agents.controllers import shipped_file
     from ship_gym_agents.policies.onnx_check import largest_difference
@@ -318,6 +336,36 @@ def onnx(path):
 
     if largest_difference(load_policy(shipped_file("heading_kcs")), path) is None:
         pytest.skip("no onnxruntime")
+
+
+def set_metadata(path):
+    """A data set of Minari, by its metadata."""
+    pytest.importorskip("minari")
+    from ship_gym_agents.datasets import read_set
+
+    data = path.parent / "set" / "data"
+    data.mkdir(parents=True, exist_ok=True)
+    shutil.copy(path, data / "metadata.json")
+    read_set(data.parent)
+
+
+def set_episodes(path):
+    """A data set of Minari whose metadata are right, by its episodes."""
+    minari = pytest.importorskip("minari")
+    from ship_gym_agents.datasets import read_set
+
+    box = {"type": "Box", "dtype": "float32", "shape": [1], "low": [-1.0], "high": [1.0]}
+    spec = {"id": "ShipGym/HeadingKeeping-v0", "kwargs": {}}
+    spec["entry_point"] = "ship_gym.envs.classes:HeadingKeeping"
+    spaces = dict.fromkeys(("observation_space", "action_space"), json.dumps(box))
+    about = {"dataset_id": "a-v0", "data_format": "hdf5", "minari_version": minari.__version__}
+    counts = {"total_episodes": 1, "total_steps": 1}
+    data = path.parent / "set" / "data"
+    data.mkdir(parents=True, exist_ok=True)
+    shutil.copy(path, data / "main_data.hdf5")
+    metadata = {"env_spec": json.dumps(spec), **spaces, **about, **counts}
+    (data / "metadata.json").write_text(json.dumps(metadata))
+    read_set(data.parent)
 
 
 READERS = {
@@ -331,10 +379,12 @@ READERS = {
     "values of trials": (trial_values, "a.csv"),
     "track csv": (track, "track.csv"),
     "track GeoJSON": (track, "track.geojson"),
-    "route RTZ": (track, "route.rtz"),
-    "route GPX": (track, "route.gpx"),
+    "spectrum csv": (spectrum, "a.csv"),
+    "spectrum netCDF": (spectrum, "a.nc"),
     "table": (table, "surrogate_mine.npz"),
     "wave table": (wave_table, "waves.npz"),
+    "metadata of a data set": (set_metadata, "metadata.json"),
+    "episodes of a data set": (set_episodes, "main_data.hdf5"),
     "cells of a wave table": (wave_cells, "waves_000.npy"),
     "mesh stl": (mesh, "hull.stl"),
     "mesh obj": (mesh, "hull.obj"),
@@ -371,6 +421,8 @@ READERS = {
     "pickled replay buffer": (replay_buffer, "replay_buffer.pkl"),
     "checkpoint": (checkpoint, "model.zip"),
     "ONNX": (onnx, "policy.onnx"),
+    "FMU": (fmu, "unit.fmu"),
+    "card of an FMU": (fmu_card, "unit.json"),
 }
 
 
@@ -537,8 +589,8 @@ def test_nothing_else_unpickles_or_evaluates():
 
 
 READING = (
-    "open", "fdopen", "read_bytes", "read_text", "read_toml", "read_json", "read_xml", "read_npz",
-    "read_npy", "npz_arrays", "read_keys", "read_csv", "read_run_card", "read_run_state", "ZipFile",
+    "open", "fdopen", "read_bytes", "read_text", "read_toml", "read_json", "read_npz", "read_npy",
+    "npz_arrays", "read_keys", "read_csv", "read_run_card", "read_run_state", "ZipFile",
     "ParquetFile", "RrdReader", "load_mesh", "InferenceSession", "fromfile", "genfromtxt",
     "loadtxt", "memmap", "JournalFileBackend",
 )  # fmt: skip
@@ -546,6 +598,8 @@ LIBRARIES = ("np", "numpy", "pickle", "torch", "json", "tomllib", "meshio", "tri
 OWN, WRITTEN = "the package's own data", "what this process has written itself"
 # Where files are read: the readers above that cover a module, or whose files they are.
 READS = {
+    "ship_gym/cosim/card.py": {"card of an FMU"},
+    "ship_gym/cosim/write.py": {"FMU", "ship"},
     "ship_gym/csv_file.py": {"csv", "captive tests", "samples", "values of trials", "track csv"},
     "ship_gym/evaluation/episodes_table.py": {"results of a benchmark", "manoeuvres"},
     "ship_gym/evaluation/headroom.py": {"headroom"},
@@ -559,7 +613,7 @@ READS = {
     "ship_gym/plain_csv.py": {"plain csv", "curve"},
     "ship_gym/plotting/figure.py": WRITTEN,
     "ship_gym/provenance.py": "any file, for its hash",
-    "ship_gym/reading.py": {"table", "ship", "track GeoJSON", "route RTZ", "route GPX"},
+    "ship_gym/reading.py": {"table", "ship", "track GeoJSON", "cells of a wave table"},
     "ship_gym/recording/journal.py": {"journal"},
     "ship_gym/recording/rerun_export/program.py": WRITTEN,
     "ship_gym/recording/rerun_export/rrd_file.py": {"recording", "recording without a seal"},
@@ -575,6 +629,8 @@ READS = {
     "ship_gym/reports/trials.py": {"values of trials", "ship"},
     "ship_gym/scenarios/scenario.py": {"scenario"},
     "ship_gym/sea/sea_states.py": OWN,
+    "ship_gym/sea/spectrum_files.py": {"spectrum csv"},
+    "ship_gym/sea/spectrum_netcdf.py": {"spectrum netCDF"},
     "ship_gym/sea/state.py": OWN,
     "ship_gym/sea/wave_table.py": {"wave table"},
     "ship_gym/sea/wind_coefficients.py": OWN,
@@ -592,14 +648,13 @@ READS = {
     "ship_gym/tasks/course/task.py": OWN,
     "ship_gym/tasks/heading/task.py": OWN,
     "ship_gym/tasks/track/task.py": OWN,
-    "ship_gym/tracks/geojson.py": {"track GeoJSON"},
-    "ship_gym/tracks/gpx.py": {"route GPX"},
-    "ship_gym/tracks/rtz.py": {"route RTZ"},
+    "ship_gym/tracks/files.py": {"track GeoJSON", "track csv"},
     "ship_gym/writing.py": "nothing: it looks whether there is room",
     "ship_gym_agents/cli/listing.py": OWN,
     "ship_gym_agents/cli/output.py": "the null device",
     "ship_gym_agents/cli/replace_read.py": {"gains", "card of a run"},
     "ship_gym_agents/cli/review/show.py": "a browser, at an address of this machine",
+    "ship_gym_agents/datasets/read.py": {"metadata of a data set", "episodes of a data set"},
     "ship_gym_agents/gains_files.py": {"gains"},
     "ship_gym_agents/policies/old_zip.py": {"policy of version 0.1"},
     "ship_gym_agents/policies/onnx_check.py": {"ONNX"},
@@ -647,3 +702,38 @@ def test_a_small_file_needs_no_room_for_a_large_one(tmp_path):
         assert read_bytes(tmp_path / "a", 1 << 34) == b"abc"
     finally:
         resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+# --- sockets -------------------------------------------------------------------------------------
+
+# modules that bind a socket: to 127.0.0.1, or where a flag says otherwise
+BINDS = {
+    "ship_gym/recording/rerun_export/program.py": "finds a free port of 127.0.0.1 for the viewer",
+    "ship_gym_agents/serve/ports.py": "127.0.0.1, or --listen",
+}
+SERVERS = ("bind", "create_server", "start_server", "HTTPServer", "TCPServer", "UDPServer")
+
+
+def test_every_place_that_listens_is_listed():
+    found = {
+        name
+        for name, called_there in modules()
+        for called, _ in called_there
+        if called.rpartition(".")[2] in SERVERS
+    }
+    assert found == set(BINDS), "a module that binds a socket, or binds none any more: edit BINDS"
+
+
+def test_sockets_are_bound_to_this_machine():
+    pytest.importorskip("pynmea2")
+    from ship_gym_agents.cli.serve import command
+    from ship_gym_agents.serve.ports import Ports
+
+    from ship_gym.recording.rerun_export.program import HOST
+
+    listen = next(param for param in command.params if param.name == "listen")
+    with Ports(port=0) as usual, Ports(listen.default, port=0) as by_command:
+        bound = [address for ports in (usual, by_command) for _, address, _ in ports.bound]
+        assert bound == ["127.0.0.1"] * 4 and HOST == "127.0.0.1"
+        listening = [held for held in (usual._tcp, usual._udp) if held is not None]
+        assert {held.getsockname()[0] for held in listening} == {"127.0.0.1"}

@@ -1,9 +1,9 @@
-"""Behaviour cloning from a Minari set: record an autopilot, read the set, learn to do the same.
+"""Behaviour cloning from a data set: load one, learn to do what the PID does, judge the clone.
 
-Offline learners begin with such a set. The PID sails seeded episodes, all in one batch, which go to
-Minari as buffers (its `DataCollector` does the same episode by episode, but needs JAX); a network
-of plain torch learns its actions from the recorded observations and then sails beside it. Nothing
-is downloaded. Needs ``pip install "ship-gym[rl,minari]"``.
+Offline learners begin with such a set (docs/datasets.md). The PID sails seeded episodes, all in one
+batch, which go to Minari; a network of plain torch learns what it asked for, and then sails beside
+it. With ``--noise 0 0.1`` the set shows states beside its usual ones, too; the infos keep what it
+asked for there. Nothing is downloaded. Needs ``pip install "ship-gym[rl,minari]"``.
 
 The PID filters what it sees, and so remembers; the network sees one moment only and copies it well,
 not exactly.
@@ -12,20 +12,17 @@ not exactly.
 from __future__ import annotations
 
 import argparse
-import os
 import tempfile
 import time
-import warnings
 from pathlib import Path
 
-import gymnasium as gym
 import minari
 import numpy as np
 import torch
 from judging import in_words, judge
-from minari.data_collector import EpisodeBuffer
-from ship_gym_agents import make_controller
 from ship_gym_agents.cli.output import progress, run, show
+from ship_gym_agents.datasets import Plan, load_set, write_set
+from ship_gym_agents.datasets.minari_set import is_set
 from torch import nn
 
 from ship_gym.config import check_number
@@ -33,62 +30,28 @@ from ship_gym.writing import atomic_path, check_place
 
 EXAMPLES = """examples:
   python docs/examples/clone_pid.py
+  python docs/examples/clone_pid.py --episodes 15 --noise 0 0.1
   python docs/examples/clone_pid.py --episodes 200 --epochs 60 --datasets runs/sets --json"""
-ENV_ID = "ShipGym/HeadingKeeping-v0"
 
 
-def recorded(episodes: int, ship: str) -> minari.MinariDataset:
-    """The set of that many episodes of a ship from the folder of Minari, recorded if not there."""
-    dataset_id = f"ShipGym/HeadingKeeping/pid-{Path(ship).stem}-{episodes}-v0"
-    if dataset_id not in minari.list_local_datasets():
-        record(dataset_id, episodes, ship)
-    return minari.load_dataset(dataset_id)
-
-
-def record(dataset_id: str, episodes: int, ship: str) -> None:
-    """Sail the training seeds 0, 1, ... under the PID, all at once, into a Minari set."""
-    pid, env = make_controller("pid"), gym.make_vec(ENV_ID, episodes, ship=ship, parallel=False)
-    seen, _ = env.reset(seed=0)
-    pid.reset(episodes, env.unwrapped.ship, env.unwrapped.scenario)
-    ended = np.zeros(episodes, dtype=bool)
-    history = [[seen]]  # then of each interval: observations, actions, rewards, flags
-    while not ended.all():
-        action = pid.act(seen).astype(np.float32)
-        seen, reward, terminated, truncated, _ = env.step(action)
-        history.append([seen, action, reward, terminated, truncated])
-        ended |= terminated | truncated
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # a set of one's own has no permanent link
-        minari.create_dataset_from_buffers(
-            dataset_id,
-            [episode(history, i) for i in range(episodes)],
-            env=gym.make(ENV_ID, ship=ship),
-            algorithm_name=pid.name,
-            description=f"The PID holds the heading of {ship}, seeds 0 to {episodes - 1}.",
-        )
-
-
-def episode(history: list[list[np.ndarray]], i: int) -> EpisodeBuffer:
-    """The first episode of environment i; its seed is i."""
-    _, actions, rewards, terminated, truncated = (
-        np.array([row[k][i] for row in history[1:]]) for k in range(5)
-    )
-    length = int(np.argmax(terminated | truncated)) + 1
-    return EpisodeBuffer(
-        seed=i,
-        observations=np.array([row[0][i] for row in history[: length + 1]]),
-        actions=actions[:length],
-        rewards=rewards[:length],
-        terminations=terminated[:length],
-        truncations=truncated[:length],
-    )
+def recorded(plan: Plan, folder: Path) -> minari.MinariDataset:
+    """The set of a plan from a folder, written if it is not there: one PID, one ship."""
+    noise = "-".join(f"{std:g}".replace(".", "_") for std in plan.noise)
+    name = f"ShipGym/HeadingKeeping/pid-{Path(plan.env['ship']).stem}-{plan.episodes}-{noise}-v0"
+    if not is_set(folder / name):
+        write_set(plan, folder, name, progress=progress)
+    return load_set(name, folder)
 
 
 def samples_of(dataset: minari.MinariDataset) -> tuple[torch.Tensor, torch.Tensor]:
-    """Observations and the actions that answered them, (samples, ...)."""
-    episodes = list(dataset.iterate_episodes())
+    """Observations and what the PID asked for there, before the noise; (samples, ...).
+
+    Row k of the infos tells of the interval that ends there, so that of action k is row k + 1.
+    """
+    episodes = [dataset[int(i)] for i in np.random.default_rng(0).permutation(len(dataset))]
     seen = np.vstack([one.observations[:-1] for one in episodes])
-    return torch.from_numpy(seen), torch.from_numpy(np.vstack([one.actions for one in episodes]))
+    done = np.vstack([one.infos["controller_action"][1:] for one in episodes])
+    return torch.from_numpy(seen), torch.from_numpy(done.astype(np.float32))
 
 
 class Normalised(nn.Module):
@@ -107,7 +70,7 @@ class Normalised(nn.Module):
 def clone(seen: torch.Tensor, done: torch.Tensor, epochs: int, seed: int):
     """A network that gives the recorded actions, and its rms error on a tenth that it never saw."""
     torch.manual_seed(seed)
-    held_out = len(seen) - len(seen) // 10  # the last episodes
+    held_out = len(seen) - len(seen) // 10  # the last ones
     mean, std = seen[:held_out].mean(0), seen[:held_out].std(0) + 1e-3
     network = nn.Sequential(
         Normalised(mean, std),
@@ -136,7 +99,8 @@ def arguments() -> argparse.Namespace:
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    p.add_argument("--episodes", type=int, default=30, help="to record (default 30)")
+    p.add_argument("--episodes", type=int, default=30, help="with each noise (default 30)")
+    p.add_argument("--noise", type=float, nargs="+", default=[0.0], help="on actions; default 0")
     p.add_argument("--epochs", type=int, default=30, help="over the set (default 30)")
     p.add_argument("--ship", default="kcs", help="default kcs")
     p.add_argument("--judge", type=int, default=16, help="evaluation episodes (default 16)")
@@ -150,14 +114,14 @@ def arguments() -> argparse.Namespace:
 
 
 def main() -> None:
-    """Record or read the set, clone, say how near the clone comes."""
+    """Write or read the set, clone, say how near the clone comes."""
     a = arguments()
-    check_number("episodes", a.episodes, 10, 10**5)
+    check_number("episodes", a.episodes, 5, 10**5)
     check_number("epochs", a.epochs, 1, 10**5)
     check_place(a.out, "--out")
+    plan = Plan(("pid",), tuple(a.noise), episodes=a.episodes, env={"ship": a.ship})
     with tempfile.TemporaryDirectory() as temporary:
-        os.environ["MINARI_DATASETS_PATH"] = str((a.datasets or Path(temporary)).resolve())
-        seen, done = samples_of(recorded(a.episodes, a.ship))
+        seen, done = samples_of(recorded(plan, a.datasets or Path(temporary)))
     started = time.perf_counter()
     network, error = clone(seen, done, a.epochs, a.seed)
     seconds = time.perf_counter() - started
@@ -172,8 +136,8 @@ def main() -> None:
         "out": str(a.out),
     }
     text = (
-        f"{len(seen)} samples of {a.episodes} episodes, cloned in {seconds:.1f} s; rms error of "
-        f"the action on the last tenth, held out: {error:.3f} (actions are in [-1, 1])\n"
+        f"{len(seen)} samples of {a.episodes * len(a.noise)} episodes, cloned in {seconds:.1f} s; "
+        f"rms error of the action on a tenth, held out: {error:.3f} (actions are in [-1, 1])\n"
         f"{in_words(judged, 'clone')}\nwrote {a.out}"
     )
     show(a.json, result, text)

@@ -193,7 +193,7 @@ def _turned(north, east, bearing):
 def _nearest(x, y, north, east, period=None) -> np.ndarray:
     """Number of the nearest leg for each place, shape (T,); `period` [m] goes round the earth."""
     dn, de = np.diff(north), np.diff(east)
-    length = dn * dn + de * de
+    length = np.maximum(dn * dn + de * de, np.finfo(float).tiny)
     found = np.empty(len(x), dtype=np.int64)
     at_once = max(1, _AT_ONCE // len(dn))
     for start in range(0, len(x), at_once):

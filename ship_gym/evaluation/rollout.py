@@ -13,10 +13,16 @@ import numpy as np
 from gymnasium.utils import seeding
 
 from ship_gym.config import ConfigError, shown
-from ship_gym.conventions import polar
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.envs.episode_log import EpisodeLog
-from ship_gym.envs.episode_record import Conditions, Setting, conditions_of, policy_meta, weather_of
+from ship_gym.envs.episode_record import (
+    Conditions,
+    Setting,
+    conditions_of,
+    currents_of,
+    policy_meta,
+    weather_of,
+)
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.streamed import Streamed, about_run
 from ship_gym.evaluation.controller import Controller, check_controller
@@ -68,7 +74,7 @@ class Rollout:
         ``wave_height`` [m], ``wave_period`` [s], ``wave_direction_to`` [rad], ``wind_speed``
         [m/s], ``wind_direction_to`` [rad], shapes (n,).
     current : numpy.ndarray
-        Speed [m/s] and direction it flows to [rad, from north], shape (n, 2).
+        As ``envs.episode_record.currents_of``, shape (n, 5).
     waves : numpy.ndarray
         Of each episode as ``sea.records.Waters.waves_of``, shape (n, 5, N).
     randomisation : dict
@@ -237,7 +243,7 @@ def rollout(
     if not isinstance(controller, Guarded):
         controller = Guarded(controller, seeds)
     controller.reset(batch.n, batch.ship, batch.scenario)
-    current = polar(batch.sim.seas["mean_north"], batch.sim.seas["mean_east"])
+    current = currents_of(batch.sim.seas)
     made, policy = provenance(), policy_meta(controller.file)
     log = EpisodeLog(batch, batch.n, batch.scenario.steps)
     log.begin(np.arange(batch.n))
@@ -254,7 +260,7 @@ def rollout(
         histories=log.whole(),
         plans=batch.plans,
         weather=weather_of(batch),
-        current=np.column_stack(current),
+        current=current,
         waves=np.stack([batch.sim.water.waves_of(i) for i in range(batch.n)]),
         randomisation=batch.randomisation(),
         given=batch.given,

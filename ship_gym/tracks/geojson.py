@@ -18,8 +18,9 @@ from ship_gym.charts import geodesy
 from ship_gym.config import ConfigError, build, check_known, check_number, shown, told_of
 from ship_gym.reading import read_json
 from ship_gym.tracks.geojson_lines import features_of, member, positions_of
-from ship_gym.tracks.route import GEOMETRIES, Leg, Route, Waypoint, check_count
+from ship_gym.tracks.route import Route
 from ship_gym.tracks.track import Track
+from ship_gym.tracks.waypoint import GEOMETRIES, Leg, Waypoint, check_count
 from ship_gym.writing import atomic_path
 
 NEAR_ZERO = 1.0  # [deg] from latitude and longitude 0: more likely metres of a towing tank
@@ -106,9 +107,9 @@ def _route(pairs: np.ndarray, data: dict, features: list[dict], geometry: str | 
     points = _listed(said, "waypoints", count)
     legs = _listed(said, "legs", count - 1)
     usual = check_known("geometry", said.get("geometry", geometry or GEOMETRIES[0]), GEOMETRIES)
-    name = said.get("name", "")
+    name = said.get("name") or ""  # GDAL writes null
     return Route(
-        name if isinstance(name, str) else "",
+        name,
         tuple(
             build(Waypoint, point | {"longitude": lon, "latitude": lat}, f"way-point {i}")
             for i, (point, (lon, lat)) in enumerate(zip(points, pairs.tolist(), strict=True))

@@ -16,6 +16,8 @@ NEEDS = {
     "torchrl_env": "torchrl",
     "torchrl_gym": "torchrl",
     "ppo_rllib": "tree",
+    "ppo_skrl": "skrl",
+    "ppo_tianshou": "tianshou",
     "clone_pid": "minari",
 }  # tree: dm-tree
 
@@ -25,7 +27,6 @@ def example(monkeypatch, tmp_path, capsys):
     """Run an example in this process, in an empty folder: exit code, stdout, stderr."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(EXAMPLES))
-    monkeypatch.setenv("MINARI_DATASETS_PATH", "")  # so that it is as before afterwards
 
     def call(name, *arguments):
         pytest.importorskip(NEEDS.get(name, "torch"))
@@ -99,9 +100,12 @@ def test_ppo_without_a_card(example):
 
 
 def test_cloning(example, tmp_path):
-    """A clone of few episodes stays on the heading; its set can be read again."""
-    minari = pytest.importorskip("minari")
-    options = ["--episodes", 12, "--epochs", 12, "--judge", 3, "--datasets", "sets", "--json"]
+    """A clone of few episodes stays on the heading; its set is read again, not sailed again."""
+    pytest.importorskip("minari")
+    from ship_gym_agents.datasets import load_set
+
+    options = ["--episodes", 6, "--noise", 0, 0.1, "--epochs", 12, "--judge", 3]
+    options += ["--datasets", "sets", "--json"]
     code, out, err = example("clone_pid", *options)
     assert code == 0, err
     result = json.loads(out)
@@ -109,10 +113,18 @@ def test_cloning(example, tmp_path):
     assert result["rms_error_held_out"] < 0.1
     metrics = judged_metrics(result, "clone")
     assert metrics["success"]["clone"] == 1.0 and metrics["J_steady"]["clone"] < 20.0
-    dataset = minari.load_dataset("ShipGym/HeadingKeeping/pid-kcs-12-v0")
-    first = dataset[0]
-    assert first.observations.shape == (601, 9) and first.truncations[-1]
+    name = "ShipGym/HeadingKeeping/pid-kcs-6-0-0_1-v0"
+    dataset = load_set(name, "sets")
+    assert dataset[0].observations.shape == (601, 9) and dataset[0].truncations[-1]
     assert dataset.recover_environment().unwrapped.ship.name == "kcs"
+    written = (tmp_path / "sets" / name / "card.json").stat().st_mtime_ns
+    code, again, err = example("clone_pid", *options)
+    assert code == 0, err
+    assert (tmp_path / "sets" / name / "card.json").stat().st_mtime_ns == written
+    timed = ("seconds",)
+    assert {k: v for k, v in json.loads(again).items() if k not in timed} == {
+        k: v for k, v in result.items() if k not in timed
+    }
 
 
 @pytest.mark.slow
@@ -123,6 +135,30 @@ def test_rllib(example):
     result = json.loads(out[out.index("{") :])
     assert result["samples"] == 8 * 32
     judged_metrics(result, "rllib")
+
+
+@pytest.mark.parametrize("name", ["skrl", "tianshou"])
+def test_ppo_of_other_libraries(example, name):
+    options = ["--envs", 8, "--iterations", 2, "--episode", 50, "--judge", 2, "--json"]
+    code, out, err = example(f"ppo_{name}", *options)
+    assert code == 0, err
+    assert json.loads(out)["samples"] == 2 * 64 * 8
+    judged_metrics(json.loads(out), name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["skrl", "tianshou"])
+def test_ppo_of_other_libraries_learns(example, name):
+    """100 iterations come near the PID; these see at least that the ship is steered at all."""
+    code, out, err = example(f"ppo_{name}", "--iterations", 60, "--judge", 8, "--json")
+    assert code == 0, err
+    metrics = judged_metrics(json.loads(out), name)
+    assert metrics["success"][name] > 0.5
+
+
+def test_options_of_ppo_are_checked(example):
+    code, out, err = example("ppo_skrl", "--envs", 1)
+    assert (code, out) == (2, "") and err.startswith("error: envs = 1")
 
 
 @pytest.mark.slow
@@ -144,7 +180,16 @@ def test_torchrl_over_the_vector_environment(example, mode):
 
 
 @pytest.mark.parametrize(
-    "name", ["ppo_torch", "clone_pid", "ppo_rllib", "torchrl_env", "torchrl_gym"]
+    "name",
+    [
+        "ppo_torch",
+        "clone_pid",
+        "ppo_rllib",
+        "ppo_skrl",
+        "ppo_tianshou",
+        "torchrl_env",
+        "torchrl_gym",
+    ],
 )
 def test_help_has_two_examples(example, name):
     code, out, _ = example(name, "--help")

@@ -24,6 +24,7 @@ USUAL = {
     "evaluate": ["--episodes", LONG],
     "bound": ["--seeds", 10_000],
     "record": ["--set", "duration=1e6"],
+    "dataset": ["--episodes", 100_000],
     "train": ["--minutes", LONG],
     "tune-agent": ["--minutes", LONG],
     "benchmark": ["--seeds", LONG],
@@ -31,11 +32,13 @@ USUAL = {
     "draw": ["errors"],
     "fit-surrogate": ["--family", "gp"],
     "build-wave-table": ["--ship", "kcs_model"],
+    "fmu": [],
 }
 # verbs that print only, or write only where they are told to, or beside what they read
 OTHERS = {
     *("report", "review", "export", "trials", "linearise", "tune", "speed", "warm-up", "list"),
-    *("completion", "route"),
+    "serve",
+    "completion",
 }
 # what must stand before --out for it to be looked at, and extensions that depend on it
 BEFORE = {"export": ["ppo_kcs"], "review export": ["none.rrd"], "route": ["none.rtz"]}
@@ -87,7 +90,8 @@ def test_every_verb_is_known_here():
 
 @pytest.mark.parametrize("verb", USUAL)
 def test_a_usual_place_that_cannot_be_written_is_refused(cli, monkeypatch, at_once, verb):
-    pytest.importorskip("capytaine" if verb == "build-wave-table" else "numpy")
+    needs = {"build-wave-table": "capytaine", "dataset": "minari"}
+    pytest.importorskip(needs.get(verb, "numpy"))
     monkeypatch.chdir("/proc")
     code, out, err = cli(verb, *USUAL[verb])
     assert (code, out, err.count("\n")) == (2, "", 1), err

@@ -77,6 +77,14 @@ def test_a_picture(cli, voyage, tmp_path):
     assert code == 0 and "a.png" in told and (tmp_path / "a.png").read_bytes()[1:4] == b"PNG"
 
 
+def test_a_turn_that_does_not_fit_names_the_file(cli, voyage):
+    points = *load_route(voyage).waypoints[:2], Waypoint(55.0, 10.02, "Near")
+    save_track(Route("voyage", points), voyage)
+    code, _, err = cli("route", voyage)
+    told = f"error: {voyage}: way-point 1 (id 2, 'Turn'): a planned turn of 90 deg with radius 18"
+    assert code == 2 and err.count("\n") == 1 and err.startswith(told[:100])
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

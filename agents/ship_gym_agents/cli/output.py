@@ -29,8 +29,9 @@ _EXTRAS = {
     "stable_baselines3": ("rl", "training"),
     "torch": ("rl", "training"),
     "onnx": ("onnx", "ONNX files"),
-    "pyproj": ("geo", "places on the earth"),
-    "gpxpy": ("geo", "GPX files"),
+    "pythonfmu": ("fmu", "FMUs"),
+    "pythonfmu3": ("fmu", "FMUs of FMI 3.0"),
+    "minari": ("minari", "data sets"),
 }
 
 

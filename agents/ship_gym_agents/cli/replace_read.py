@@ -13,6 +13,7 @@ from ship_gym_agents.cli.replace import (
     bound,
     comparison,
     evaluation,
+    fmu,
     gains,
     history,
     page,
@@ -76,6 +77,12 @@ def _recording_in(path: Path) -> Result:
         from ship_gym.recording.rerun_export.compare import read_comparison
 
         return comparison(read_comparison(path)["sources"])
+
+
+def _fmu_in(path: Path) -> Result:
+    from ship_gym.cosim.write import ship_in
+
+    return fmu(ship_in(path))
 
 
 def _parquet_in(path: Path) -> Result:
@@ -158,7 +165,5 @@ _READERS: dict[str, Callable[[Path], Result | None]] = {
     ".geojson": _route_in,
     ".md": _markdown_in,
     ".html": _html_in,
-    ".gpx": _voyage_in,
-    ".geojson": _voyage_in,
-    ".kml": _voyage_in,
+    ".fmu": _fmu_in,
 }

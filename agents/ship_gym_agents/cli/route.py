@@ -46,7 +46,8 @@ def command(as_json, file, geometry, origin, out, picture, force) -> None:
     Bearings and lengths are those on the earth (WGS84) of each leg as it runs: rhumb line or great
     circle. Turns with a radius are sailed as arcs.
     """
-    from ship_gym.tracks import Route, load_route, save_track
+    from ship_gym.config import told_of
+    from ship_gym.tracks import load_route, save_track
     from ship_gym_agents.cli.output import need, next_command, show
     from ship_gym_agents.cli.replace import check_replaced
     from ship_gym_agents.cli.replace import route as result_of
@@ -54,8 +55,8 @@ def command(as_json, file, geometry, origin, out, picture, force) -> None:
     if picture:
         need("matplotlib")
     route = _placed(file, origin) if origin else load_route(file, geometry)
-    assert isinstance(route, Route)
-    track = route.track()
+    with told_of(file):
+        track = route.track()
     if out is not None:
         check_replaced(out, result_of(route.to_meta()), force)
         save_track(route, out)
