@@ -6,6 +6,7 @@ while the tab is shown, so it is not the first one; without a network the ground
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from typing import NamedTuple
 
 import numpy as np
@@ -28,8 +29,9 @@ _TRACK, _SHIP = (200, 60, 160), (220, 40, 40)
 
 
 def send_map(out: Output, trajectory: Trajectory, length: float, chosen) -> rrb.MapView | None:
-    """Send the map and return its view; None of a run without a chart, or that is on."""
-    chart = None if out.area is not None else chart_of(trajectory)
+    """Send the map and return its view; None of a run without a chart or that is on, or no pyproj."""
+    known = out.area is None and find_spec("pyproj") is not None  # else the rest is shown without
+    chart = chart_of(trajectory) if known else None
     if chart is None:
         return None
     lat, lon = sailed_places(trajectory, chart)
