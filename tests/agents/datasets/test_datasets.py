@@ -2,6 +2,7 @@
 
 import json
 import socket
+import sys
 
 import gymnasium as gym
 import numpy as np
@@ -17,6 +18,7 @@ minari = pytest.importorskip("minari")
 from ship_gym_agents.datasets import Plan, load_set, read_set, select, write_set  # noqa: E402
 from ship_gym_agents.datasets import write as writing  # noqa: E402
 from ship_gym_agents.datasets.action_noise import action_noise  # noqa: E402
+from ship_gym_agents.datasets.minari_set import room_of  # noqa: E402
 from ship_gym_agents.datasets.sail import batches, sail  # noqa: E402
 
 SHORT = {"overrides": {"duration": 60.0}}
@@ -298,6 +300,31 @@ def test_what_a_killed_writer_left_is_removed_and_one_at_a_time_writes(tmp_path)
         write_set(plan, tmp_path, "pid-v0")
     write_set(plan, tmp_path, "pid-v0")
     assert [path.name for path in tmp_path.iterdir()] == ["pid-v0"]
+
+
+def test_the_room_that_is_asked_for_is_enough_and_not_twice_too_much(dataset, folder):
+    file = folder / NAME / "data" / "main_data.hdf5"
+    asked = sum(map(room_of, dataset))
+    assert file.stat().st_size < asked < 2 * file.stat().st_size
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of files as on Linux")
+def test_a_disk_that_fills_up_is_one_line_and_leaves_nothing(tmp_path):
+    """HDF5 itself ends the whole process then."""
+    import resource
+    import signal
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    plan = Plan(("pid", "lqg"), episodes=2, env=SHORT)
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, before[1]))
+        with pytest.raises(OSError, match="file too large; nothing was written to it"):
+            write_set(plan, tmp_path / "new")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, ignored)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
