@@ -1,8 +1,10 @@
 """Data sets: what is in them is what the environments do, and what is read is what was written."""
 
 import json
+import shutil
 import socket
 import sys
+from pathlib import Path
 
 import gymnasium as gym
 import numpy as np
@@ -12,6 +14,7 @@ from ship_gym_agents import make_controller
 import ship_gym
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import rollout
+from ship_gym.ships import load_ship
 
 minari = pytest.importorskip("minari")
 
@@ -19,6 +22,7 @@ from ship_gym_agents.datasets import Plan, load_set, read_set, select, write_set
 from ship_gym_agents.datasets import write as writing  # noqa: E402
 from ship_gym_agents.datasets.action_noise import action_noise  # noqa: E402
 from ship_gym_agents.datasets.minari_set import room_of  # noqa: E402
+from ship_gym_agents.datasets.plan import prepared  # noqa: E402
 from ship_gym_agents.datasets.sail import batches, sail  # noqa: E402
 
 SHORT = {"overrides": {"duration": 60.0}}
@@ -231,6 +235,9 @@ def test_noise_reaches_the_rudder(tmp_path):
     ("plan", "words"),
     [
         ({"noise": (-0.1,)}, "noise = -0.1: allowed is 0 to 2"),
+        ({"noise": 0.1}, "noise = 0.1: must be a tuple"),
+        ({"controllers": "pid"}, "controllers = 'pid': must be a tuple"),
+        ({"env": {"ship": load_ship("kcs")}}, "needs its name or file"),
         ({"noise": (0.1, 0.1)}, "must be different numbers"),
         ({"episodes": 0}, "episodes = 0: allowed is 1 to"),
         ({"controllers": ("pit",)}, "did you mean 'pid'"),
@@ -341,8 +348,6 @@ def test_a_disk_that_fills_up_is_one_line_and_leaves_nothing(tmp_path):
     ],
 )
 def test_a_set_of_others_is_one_line_and_runs_nothing(folder, tmp_path, key, value, words):
-    import shutil
-
     shutil.copytree(folder / NAME, tmp_path / "set")
     file = tmp_path / "set" / "data" / "metadata.json"
     told = json.loads(file.read_text())
@@ -364,6 +369,23 @@ def test_a_set_that_is_not_there_names_the_nearest(folder):
         load_set("other/y-v0", folder)
 
 
+def test_files_that_a_scenario_names_are_found_from_another_folder(tmp_path, monkeypatch):
+    way = {"type": "LineString", "coordinates": [[0, 0], [0, 5000], [2000, 9000]], "units": "m"}
+    (tmp_path / "way.geojson").write_text(json.dumps(way))
+    shipped = Path(ship_gym.__file__).parent / "ships" / "data" / "kcs"
+    shutil.copytree(shipped, tmp_path / "mine")
+    monkeypatch.chdir(tmp_path)
+    overrides = {"track.kind": "points", "track.file": "way.geojson"}
+    env = {"scenario": "track_following", "overrides": overrides}
+    spec = writing.env_spec(prepared(Plan(("drift_los",), env=env)))
+    assert spec.kwargs["scenario"]["track"]["file"] == str(tmp_path / "way.geojson")
+    spec = writing.env_spec(
+        prepared(Plan(("pid@kcs",), env={"ship": "mine/ship.toml"}, expert="pid@kcs"))
+    )
+    assert spec.kwargs["scenario"] == "heading_keeping"
+    assert spec.kwargs["ship"] == str(tmp_path / "mine" / "ship.toml")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("controller", "env"),
@@ -371,6 +393,7 @@ def test_a_set_that_is_not_there_names_the_nearest(folder):
         ("lqg", {"scenario": "course_changing", "ship": "kvlcc2"}),
         ("drift_los", {"scenario": "track_following", "ship": "onrt"}),
         ("economy_kcs", {}),
+        ("pid", {"control": "rudder+rpm", "privileged": True}),
     ],
 )
 def test_other_tasks_ships_and_policies(tmp_path, controller, env):
