@@ -1,4 +1,4 @@
-"""Write the pages of the environments, or check that they say what the code says."""
+"""Write the pages of the environments and the tables of units, or check that they are current."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 from _cli import parser, progress, run, show
 from ship_gym_agents import make_controller
 
+from pages import unit_page
 from pages.environment_pages import env_ids, name_of, outdated, task_of, write_pages
 from pages.still import still
 from ship_gym.writing import check_place
@@ -31,6 +32,8 @@ def arguments():
 def check(folder: Path, as_json: bool) -> None:
     """Exit with code 1 if a page is not what it would be if it were written now."""
     old = outdated(folder)
+    if folder.resolve() == FOLDER and unit_page.outdated():
+        old.append(f"../{unit_page.PAGE.name}")
     text = f"not up to date in {folder}: {', '.join(old)}; run python scripts/build_docs.py"
     show(as_json, {"folder": str(folder), "outdated": old}, text if old else "up to date")
     sys.exit(1 if old else 0)
@@ -44,6 +47,8 @@ def main() -> None:
     if not args.no_pictures:
         from ship_gym.rendering.png import save_png  # first: its library may be missing
     files = write_pages(args.out)
+    if args.out.resolve() == FOLDER:
+        files.append(unit_page.write())
     for env_id in progress(() if args.no_pictures else env_ids(), "pictures"):
         files.append(args.out / f"{name_of(env_id)}.png")
         name, seed, intervals = task_of(env_id).moment

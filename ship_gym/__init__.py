@@ -19,9 +19,11 @@ __version__ = "0.1.0"
 
 # public name -> module that defines it
 _PUBLIC = {
+    "Chart": "ship_gym.charts.chart",
     "DiscreteRudder": "ship_gym.envs.discrete",
     "RecordRerun": "ship_gym.envs.record_rerun",
     "RecordRerunVector": "ship_gym.envs.record_rerun_vector",
+    "Route": "ship_gym.tracks.route",
     "Sea": "ship_gym.sea.state",
     "Ship": "ship_gym.ships.particulars",
     "ShipEnv": "ship_gym.envs.env",
@@ -36,6 +38,7 @@ _PUBLIC = {
     "available_ships": "ship_gym.ships.files",
     "available_surrogates": "ship_gym.ships.loader",
     "linearise": "ship_gym.linear",
+    "load_route": "ship_gym.tracks.files",
     "load_scenario": "ship_gym.scenarios.scenario",
     "load_sea": "ship_gym.sea.state",
     "load_ship": "ship_gym.ships.loader",

@@ -17,6 +17,7 @@ from ship_gym.provenance import provenance
 from ship_gym.recording.about import ship_meta
 from ship_gym.recording.thinning import thinned
 from ship_gym.recording.trajectory import Trajectory
+from ship_gym.sea.records import current_at
 from ship_gym.sea.state import CALM, Sea, regular_sea
 from ship_gym.sea.surface import wave_entries
 from ship_gym.ships.files import Named
@@ -337,6 +338,10 @@ class Run:
         parts = [np.array(part) for part in zip(*self._kept, strict=True)]
         columns = history_columns(*parts)
         columns["current_speed"] = np.full(self.rows, self.sea.current_speed)
+        if self.sea.current_variation > 0.0:
+            sea = self.sim.seas[0]
+            vary = (sea["variation"], sea["variation_omega"], sea["variation_phase"])
+            columns["current_speed"] *= current_at(*vary, columns["t"])
         columns["current_direction_to"] = np.full(self.rows, self.sea.current_direction_to)
         if self.sea.wind_speed > 0.0:
             columns["wind_speed"] = np.full(self.rows, self.sea.wind_speed)

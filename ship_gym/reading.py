@@ -1,4 +1,5 @@
-"""Files to plain values, one reader for each format: text of any encoding, TOML, JSON, npz.
+"""Files to plain values, one reader for each format: text of any encoding, TOML, JSON,
+XML, npz.
 
 Whatever a parser or numpy raises for a damaged file becomes one line with the file's name, so that
 who reads a file needs to know no kinds of error. What the values mean is the caller's to check.
@@ -19,14 +20,18 @@ import tomllib
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ship_gym.config import LARGEST, ConfigError, cut, nearest, shown
 
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
 MOST = 1 << 29  # [bytes] of a file, packed or not
 _MOST_TEXT = 1 << 26  # [bytes] of a file of text
+_MOST_XML = 1 << 24  # [bytes]; a tree takes some ten times as much
 _MOST_TOLD = 150  # characters of what a parser says: the file is to be named, too
 
 # Byte order marks; the longer ones first, since that of UTF-16 begins that of UTF-32.
@@ -169,6 +174,30 @@ def parsed_json(text: str | bytes, path: str | os.PathLike) -> Any:
     """Values of a text in JSON, as `read_json` reads one; `path` is for the message."""
     with read_as(path, "valid JSON"):
         return json.loads(text, parse_constant=_no_number, parse_float=_finite)
+
+
+def read_xml(path: str | os.PathLike, most: int = _MOST_XML) -> Element:
+    """Root of an XML file, without entities, document types and network.
+
+    Raises
+    ------
+    ConfigError
+        As `read_bytes`; not XML, or with a document type, which alone may name entities and files.
+    ImportError
+        No defusedxml; names the extra to install.
+    """
+    data = read_bytes(path, most)
+    try:
+        from defusedxml import DefusedXmlException, ElementTree
+    except ImportError:
+        raise ImportError('XML files need defusedxml: pip install "ship-gym[geo]"') from None
+    with read_as(path, "XML"):
+        try:
+            return ElementTree.fromstring(data, forbid_dtd=True)
+        except DefusedXmlException:
+            raise ConfigError(
+                f"{path}: declares a document type or an entity; allowed is XML without them"
+            ) from None
 
 
 def _no_number(name: str) -> None:

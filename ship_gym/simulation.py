@@ -34,8 +34,10 @@ from ship_gym.physics.scratch import scratch_for
 from ship_gym.physics.step import Fleet, sail_rows, see_waves
 from ship_gym.physics.waves import N_WAVE_STATE, WAVE_NAMES, set_direction
 from ship_gym.roots import root
+from ship_gym.sea.phases import uniform_of
 from ship_gym.sea.records import Waters, set_phases, waters
 from ship_gym.sea.state import CALM, Sea
+from ship_gym.sea.surface import sum_of
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship, load_ships
 from ship_gym.ships.particulars import Ship
@@ -190,9 +192,8 @@ class ShipSim:
             self.seas[now] = self.seas[mean]  # not the current at the end of the last run
         over_ground(self.state, self.seas)
         self.time[:] = 0.0
-        draws = [np.random.default_rng(None if seed is None else seed + i) for i in range(self.n)]
-        n_phases = self.water.n_phases
-        uniform = np.stack([rng.random(n_phases) for rng in draws])
+        seeds = [None if seed is None else seed + i for i in range(self.n)]
+        uniform = np.stack([uniform_of(one, self.water.n_phases) for one in seeds])
         self.set_sea(np.arange(self.n), uniform, self._waves_to)
         return self.state
 
@@ -224,6 +225,28 @@ class ShipSim:
         """Refresh ``self.waves`` of some ships, shape (m,), from their states and times."""
         if self.water.n_waves:
             see_waves(which, self.fleet)
+
+    def elevation(self, x: Any, y: Any, t: Any = None, ship: int = 0) -> np.ndarray:
+        """Elevation of the surface of a ship's sea above still water [m], positive up.
+
+        Parameters
+        ----------
+        x, y : array_like
+            North and east [m].
+        t : array_like, optional
+            Time since the reset of that ship [s], of a shape that goes with x and y; now if
+            omitted.
+        ship : int
+            Whose sea: each has its own phases.
+
+        Returns
+        -------
+        numpy.ndarray
+            Of the shape to which x, y and t broadcast; zero without waves.
+        """
+        which = int(check_number("ship", ship, 0, self.n - 1))
+        time = self.time[which] if t is None else t
+        return sum_of(self.water.waves_of(which), x, y, time)
 
     def set_water(self, water: Waters) -> None:
         """Replace the seas of all ships, as ``sea.records.waters`` makes them; then `set_sea`."""

@@ -1,4 +1,4 @@
-"""What the README names exists: dotted names, files, and every block of Python."""
+"""What the README and the pages beside it name exists: dotted names, files, blocks of Python."""
 
 import ast
 import inspect
@@ -13,7 +13,9 @@ import pytest
 import ship_gym
 
 ROOT = Path(__file__).resolve().parent.parent
-TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+NAMES = ("making", "own", "use", "validation", "autopilots", "limits", "install")
+PAGES = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in NAMES)]
+TEXT = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
 BLOCKS = re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL)
 # without the lines of an import, which the test of the blocks runs
 USED = re.sub(r"^(from|import) .*$", "", TEXT, flags=re.MULTILINE)
@@ -49,7 +51,7 @@ def test_blocks_compile_and_their_names_resolve(block):
     tree = ast.parse(block)
     names = {"gym": gym, "ship_gym": ship_gym}
     imports = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
-    exec(compile(ast.Module(imports, []), "README.md", "exec"), names)
+    exec(compile(ast.Module(imports, []), "page", "exec"), names)
     assert imports or BLOCKS.index(block) > 0
     for text in chains(tree):
         root = text.partition(".")[0]

@@ -151,6 +151,12 @@ def track(path):
     load_track(path)
 
 
+def spectrum(path):
+    from ship_gym.sea import read_spectrum
+
+    read_spectrum(path)
+
+
 def table(path):
     from ship_gym.tables import Table
 
@@ -311,6 +317,18 @@ def checkpoint(path):
     read_model(path)
 
 
+def fmu(path):
+    from ship_gym.cosim.write import ship_in
+
+    ship_in(path)
+
+
+def fmu_card(path):
+    from ship_gym.cosim.card import opened
+
+    opened(path.parent, print)
+
+
 def onnx(path):
     from ship_gym_agents.controllers import shipped_file
     from ship_gym_agents.policies.onnx_check import largest_difference
@@ -361,6 +379,8 @@ READERS = {
     "values of trials": (trial_values, "a.csv"),
     "track csv": (track, "track.csv"),
     "track GeoJSON": (track, "track.geojson"),
+    "spectrum csv": (spectrum, "a.csv"),
+    "spectrum netCDF": (spectrum, "a.nc"),
     "table": (table, "surrogate_mine.npz"),
     "wave table": (wave_table, "waves.npz"),
     "metadata of a data set": (set_metadata, "metadata.json"),
@@ -401,6 +421,8 @@ READERS = {
     "pickled replay buffer": (replay_buffer, "replay_buffer.pkl"),
     "checkpoint": (checkpoint, "model.zip"),
     "ONNX": (onnx, "policy.onnx"),
+    "FMU": (fmu, "unit.fmu"),
+    "card of an FMU": (fmu_card, "unit.json"),
 }
 
 
@@ -576,6 +598,8 @@ LIBRARIES = ("np", "numpy", "pickle", "torch", "json", "tomllib", "meshio", "tri
 OWN, WRITTEN = "the package's own data", "what this process has written itself"
 # Where files are read: the readers above that cover a module, or whose files they are.
 READS = {
+    "ship_gym/cosim/card.py": {"card of an FMU"},
+    "ship_gym/cosim/write.py": {"FMU", "ship"},
     "ship_gym/csv_file.py": {"csv", "captive tests", "samples", "values of trials", "track csv"},
     "ship_gym/evaluation/episodes_table.py": {"results of a benchmark", "manoeuvres"},
     "ship_gym/evaluation/headroom.py": {"headroom"},
@@ -605,6 +629,8 @@ READS = {
     "ship_gym/reports/trials.py": {"values of trials", "ship"},
     "ship_gym/scenarios/scenario.py": {"scenario"},
     "ship_gym/sea/sea_states.py": OWN,
+    "ship_gym/sea/spectrum_files.py": {"spectrum csv"},
+    "ship_gym/sea/spectrum_netcdf.py": {"spectrum netCDF"},
     "ship_gym/sea/state.py": OWN,
     "ship_gym/sea/wave_table.py": {"wave table"},
     "ship_gym/sea/wind_coefficients.py": OWN,
@@ -676,3 +702,38 @@ def test_a_small_file_needs_no_room_for_a_large_one(tmp_path):
         assert read_bytes(tmp_path / "a", 1 << 34) == b"abc"
     finally:
         resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+# --- sockets -------------------------------------------------------------------------------------
+
+# modules that bind a socket: to 127.0.0.1, or where a flag says otherwise
+BINDS = {
+    "ship_gym/recording/rerun_export/program.py": "finds a free port of 127.0.0.1 for the viewer",
+    "ship_gym_agents/serve/ports.py": "127.0.0.1, or --listen",
+}
+SERVERS = ("bind", "create_server", "start_server", "HTTPServer", "TCPServer", "UDPServer")
+
+
+def test_every_place_that_listens_is_listed():
+    found = {
+        name
+        for name, called_there in modules()
+        for called, _ in called_there
+        if called.rpartition(".")[2] in SERVERS
+    }
+    assert found == set(BINDS), "a module that binds a socket, or binds none any more: edit BINDS"
+
+
+def test_sockets_are_bound_to_this_machine():
+    pytest.importorskip("pynmea2")
+    from ship_gym_agents.cli.serve import command
+    from ship_gym_agents.serve.ports import Ports
+
+    from ship_gym.recording.rerun_export.program import HOST
+
+    listen = next(param for param in command.params if param.name == "listen")
+    with Ports(port=0) as usual, Ports(listen.default, port=0) as by_command:
+        bound = [address for ports in (usual, by_command) for _, address, _ in ports.bound]
+        assert bound == ["127.0.0.1"] * 4 and HOST == "127.0.0.1"
+        listening = [held for held in (usual._tcp, usual._udp) if held is not None]
+        assert {held.getsockname()[0] for held in listening} == {"127.0.0.1"}

@@ -1,24 +1,30 @@
 """What the examples share: a torch network as a controller, beside the classical autopilot.
 
-Not an example itself. The network and the usual autopilot of the task (`pid` for headings,
+Not an example itself. PPO of every library takes the same options and says the same at the end. The
+network and the usual autopilot of the task (`pid` for headings,
 `drift_los` for tracks) sail the same evaluation seeds, which no training sees.
 """
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import torch
 from ship_gym_agents import make_controller
+from ship_gym_agents.cli.output import show
+from torch import nn
 
+from ship_gym.config import check_number
 from ship_gym.evaluation import compare, evaluation_seeds, rollout
 from ship_gym.scenarios.scenario import load_scenario
 from ship_gym.tasks import TASKS
 from ship_gym.text import signed_interval
 
 MeanAction = Callable[[torch.Tensor], torch.Tensor]
+LOG_STD = (-1.0, -2.5)  # of actions in [-1, 1], at the start and at the end of a training
 
 
 class NetworkController:
@@ -104,3 +110,48 @@ def in_words(judged: dict[str, Any], name: str) -> str:
             )
         lines.append(f"  {metric}: {words}")
     return "\n".join(lines)
+
+
+def options(description: str, examples: str) -> argparse.Namespace:
+    """Options of the command line that PPO of every library has."""
+    p = argparse.ArgumentParser(
+        description=description.splitlines()[0],
+        epilog=examples,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    p.add_argument("--iterations", type=int, default=100, help="rollouts (default 100)")
+    p.add_argument("--envs", type=int, default=64, help="ships (default 64)")
+    p.add_argument("--ship", default="kcs", help="default kcs")
+    p.add_argument("--episode", type=float, default=200.0, help="full-scale s (default 200)")
+    p.add_argument("--judge", type=int, default=16, help="evaluation episodes (default 16)")
+    p.add_argument("--seed", type=int, default=0)
+    p.add_argument("--json", action="store_true", help="print the result as JSON on stdout")
+    a = p.parse_args()
+    check_number("iterations", a.iterations, 1, 10**6)
+    check_number("envs", a.envs, 2, 10**5)  # of one ship skrl makes a case of its own
+    return a
+
+
+def network(n_in: int, n_out: int) -> nn.Sequential:
+    """Two hidden layers, as ``ship-gym train`` makes them; the outputs begin near zero."""
+    layers = [nn.Linear(n_in, 64), nn.Linear(64, 64), nn.Linear(64, n_out)]
+    for layer, gain in zip(layers, (2.0**0.5, 2.0**0.5, 0.01), strict=True):
+        nn.init.orthogonal_(layer.weight, gain)
+        nn.init.zeros_(layer.bias)
+    return nn.Sequential(layers[0], nn.Tanh(), layers[1], nn.Tanh(), layers[2])
+
+
+def tell(
+    a: argparse.Namespace, mean_action: MeanAction, name: str, samples: int, seconds: float
+) -> None:
+    """Judge what was learned with `options` `a`, and print it with the speed of the training."""
+    judged = judge(mean_action, name, a.judge, "heading_keeping", ship=a.ship)
+    speed = samples / seconds
+    result = {
+        "samples": samples,
+        "seconds": round(seconds, 1),
+        "samples_per_second": round(speed),
+        "judged": judged,
+    }
+    text = f"{samples} samples in {seconds:.1f} s ({speed:.0f} a second)\n{in_words(judged, name)}"
+    show(a.json, result, text)

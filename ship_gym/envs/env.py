@@ -278,6 +278,10 @@ class ShipEnv(gym.Env):
             )
         return self._screen.picture()
 
+    def elevation(self, x, y, t=None) -> np.ndarray:
+        """Elevation of the sea above still water at places and times [m], ``ShipSim.elevation``."""
+        return self.episodes.sim.elevation(x, y, t)
+
     def origin(self, index: int = 0) -> tuple[int | None, int]:
         """Where the randomness of this episode is from, enough to have it again.
 

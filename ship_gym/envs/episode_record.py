@@ -16,10 +16,11 @@ from ship_gym.conventions import N_FLOW, polar, wrap_angle
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.physics.waves import WAVE_EXTRAPOLATION
 from ship_gym.provenance import sha256
-from ship_gym.recording.about import ship_meta
+from ship_gym.recording.about import frame, ship_meta
 from ship_gym.recording.panels import plots_meta
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.scenarios.scenario import Scenario
+from ship_gym.sea.records import current_at
 from ship_gym.sea.surface import wave_entries
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import history_columns
@@ -39,10 +40,13 @@ class Setting:
     ----------
     scenario : Scenario
     ship : Ship
+    given : mapping, optional
+        As ``EpisodeBatch.given``.
     """
 
-    def __init__(self, scenario: Scenario, ship: Ship):
+    def __init__(self, scenario: Scenario, ship: Ship, given: Mapping[str, Any] | None = None):
         self.scenario, self.ship, self.task = scenario, ship, TASKS[scenario.task]
+        self.given = given or {}
         self.seen, self.done = observation_columns(scenario), action_columns(scenario)
 
     @functools.cached_property
@@ -63,7 +67,9 @@ class Setting:
             "limits": rudder | task.limits(scenario, self.ship),
             "observations": list(self.seen),
             "actions": list(self.done),
+            "frame": frame(self.given),
             **plots_meta(task.plots),
+            **self.given,
         }
 
     def _own_task(self) -> dict[str, str]:
@@ -85,7 +91,7 @@ class Conditions:
         ``wave_height`` [m], ``wave_period`` [s], ``wave_direction_to`` [rad], ``wind_speed``
         [m/s], ``wind_direction_to`` [rad].
     current : tuple of float
-        Speed [m/s] and direction it flows to [rad].
+        Of `currents_of`.
     randomisation : dict
         What was drawn for the ship, by name.
     waves : numpy.ndarray
@@ -95,7 +101,7 @@ class Conditions:
     setting: Setting
     plan: np.ndarray
     weather: dict[str, float]
-    current: tuple[float, float]
+    current: tuple[float, ...]
     randomisation: dict[str, float]
     waves: np.ndarray
 
@@ -116,6 +122,8 @@ class Conditions:
         history = {name: rows[name] for name in task.history}
         found |= task.columns(found, history, self.plan)
         found |= {name: np.full(count, value) for name, value in self._surroundings().items()}
+        if self.current[2] > 0.0:
+            found["current_speed"] *= current_at(*self.current[2:], rows["time"])
         if self.waves.shape[1]:
             found["waves_extrapolation"] = rows["waves"][:, WAVE_EXTRAPOLATION]
         found["reward"] = _padded(rows["rewards"], count)
@@ -124,8 +132,8 @@ class Conditions:
         return found | self._seen_and_done(rows, found)
 
     def _surroundings(self) -> dict[str, float]:
-        """Current and wind, which are the same in every row."""
-        speed, to = self.current
+        """Mean current and wind, which are the same in every row."""
+        speed, to, *_ = self.current
         found = {"current_speed": speed, "current_direction_to": to}
         if self.weather["wind_speed"] > 0.0:
             origin = (self.weather["wind_direction_to"] + math.pi) % (2.0 * math.pi)
@@ -156,7 +164,7 @@ class Conditions:
 
     def _sea(self) -> dict[str, float | None]:
         """Weather in SI, and for people in degrees: from where wind and waves come; None: none."""
-        speed, to = self.current
+        speed, to, *_ = self.current
         weather = self.weather
         ways = (
             ("wave_from_deg", weather["wave_height"], weather["wave_direction_to"] + math.pi),
@@ -209,15 +217,24 @@ def measured(trajectory: Trajectory) -> dict[str, float | None]:
 def conditions_of(batch: EpisodeBatch, i: int, setting: Setting) -> Conditions:
     """Conditions of episode i of a batch, which has begun; the setting is that of its ship."""
     seas = batch.sim.seas[i : i + 1]
-    speed, to = polar(seas["mean_north"], seas["mean_east"])
     return Conditions(
         setting,
         batch.plans[i].copy(),
         {name: values.item(0) for name, values in weather_of(batch, [i]).items()},
-        (speed.item(), to.item()),
+        tuple(currents_of(seas)[0].tolist()),
         {name: values[i].item() for name, values in batch.randomisation().items()},
         batch.sim.water.waves_of(i),
     )
+
+
+def currents_of(seas: np.ndarray) -> np.ndarray:
+    """Current of episodes that have begun, shape (m, 5).
+
+    Mean speed [m/s], direction it flows to [rad], and the speed's variation as a share, its
+    frequency [rad/s] and phase [turns], see ``sea.records.current_at``.
+    """
+    vary = (seas[f"variation{name}"] for name in ("", "_omega", "_phase"))
+    return np.column_stack([*polar(seas["mean_north"], seas["mean_east"]), *vary])
 
 
 def weather_of(batch: EpisodeBatch, which: Any = slice(None)) -> dict[str, np.ndarray]:

@@ -127,6 +127,11 @@ class EpisodeBatch:
         self._fails_at = self._intervals(scenario.failure.time)
 
     @property
+    def given(self) -> dict[str, Any]:
+        """What the plan of the task says of all episodes: entries of a recording's meta."""
+        return dict(getattr(self._plan, "meta", {}))
+
+    @property
     def _loops(self) -> Loops:
         """Compiled loops over the arrays of this batch, as they are now."""
         if self._made is None or self._made.fleet is not self.sim.fleet:

@@ -156,7 +156,7 @@ class EpisodeRecording:
     def _setting(self, i: int) -> Setting:
         ship = self._batch.ships[i]
         if id(ship) not in self._settings:
-            self._settings[id(ship)] = Setting(self._batch.scenario, ship)
+            self._settings[id(ship)] = Setting(self._batch.scenario, ship, self._batch.given)
         return self._settings[id(ship)]
 
     def _about(self, i: int, number: int, given: dict[str, Any]) -> dict[str, Any]:

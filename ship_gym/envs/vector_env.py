@@ -160,6 +160,10 @@ class ShipVectorEnv(VectorEnv):
             )
         return tuple(screen.picture() for screen in self._screens)
 
+    def elevation(self, x, y, t=None, index: int = 0) -> np.ndarray:
+        """Elevation of the sea of an environment at places and times [m], ``ShipSim.elevation``."""
+        return self.episodes.sim.elevation(x, y, t, index)
+
     def origin(self, index: int) -> tuple[int | None, int]:
         """Seed of the stream of an environment and resets after it, as ``ShipEnv.origin``."""
         return self._streams.seeds[index], int(self._streams.begun[index]) - 1

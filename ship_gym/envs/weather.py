@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -15,6 +16,7 @@ from ship_gym.ships.records import numbered
 
 N_CURRENT = 2  # uniform numbers for the current
 N_WEATHER = 4  # and, where there are waves or wind, for state, height, wind speed and direction
+N_SWELL = 2  # and, where there is a swell, for its height and direction
 
 
 class Weathers:
@@ -42,15 +44,18 @@ class Weathers:
         # rows of the templates: ship by choice
         self._unit = np.array([ship.time_unit for ship, _ in pairs])
         self._scale = np.array([ship.scale for ship, _ in pairs])
-        self._templates = waters([ship for ship, _ in pairs], [s for _, s in pairs])
+        self._swell = sea.swell_height > 0.0
+        self._templates = waters(
+            [ship for ship, _ in pairs], [s for _, s in pairs], apart=self._swell
+        )
         self._row = np.array(numbers) * len(self._choices)
         self.water: Waters = self._templates.for_ships(self._row)
-        first = self._choices[0].sea
-        self.changes = bool(first.waves) or any(c.sea.wind_speed > 0.0 for c in self._choices)
-        self._T_p = np.array([c.sea.waves[0].peak_period if c.sea.waves else 0.0
-                              for c in self._choices])  # fmt: skip
-        self._H_s = np.array([c.sea.waves[0].height if c.sea.waves else 0.0
-                              for c in self._choices])  # fmt: skip
+        seas = [c.sea for c in self._choices]
+        self.changes = seas[0].has_waves or any(s.wind_speed > 0.0 for s in seas)
+        # of the first system alone, where there is a swell beside it
+        firsts = [dataclasses.replace(s, waves=s.waves[:1]) for s in seas]
+        self._T_p = np.array([s.period for s in firsts])
+        self._H_s = np.array([s.height for s in firsts])
         self._height_min = np.array([c.height_min for c in self._choices])
         self._wind_min = np.array([c.wind_min for c in self._choices])
         self._wind_max = np.array([c.wind_max for c in self._choices])
@@ -58,7 +63,8 @@ class Weathers:
     @property
     def n_draws(self) -> int:
         """Uniform numbers for one episode, without the phases."""
-        return N_CURRENT + (N_WEATHER if self.changes else 0)
+        weather = (N_WEATHER if self.changes else 0) + (N_SWELL if self._swell else 0)
+        return N_CURRENT + weather
 
     def draw(self, which: np.ndarray, uniform: np.ndarray, psi: np.ndarray, tasks: np.ndarray):
         """Set current, wave amplitudes and wind of some episodes.
@@ -83,11 +89,13 @@ class Weathers:
         waves_to = np.zeros(len(which))
         records = self.water.records[which]
         if self.changes:
-            state, height, wind, towards = uniform[:, N_CURRENT:].T
+            state, height, wind, towards = uniform[:, N_CURRENT : N_CURRENT + N_WEATHER].T
             pick = (state * len(self._choices)).astype(int)  # state is below 1
             records = self._templates.records[self._row[which] + pick]
-            waves_to = self._direction(self.sea.wave_encounter_deg, psi, towards)
+            waves_to = self._waves_to(pick, psi, towards)
             self._set_waves(records, which, pick, height, waves_to, tasks)
+            if self._swell:
+                self._set_swell(records, which, pick, uniform[:, -N_SWELL:], psi, tasks)
             self._set_wind(records, which, pick, wind, waves_to, psi)
         self._set_current(records, which, uniform, psi)
         self.water.records[which] = records
@@ -106,6 +114,34 @@ class Weathers:
         tasks["wave_height"][which] = share * self._H_s[pick] / self._scale[self._row[which]]
         tasks["wave_period"][which] = self._T_p[pick] / self._unit[self._row[which]]
         tasks["wave_to"][which] = waves_to
+
+    def _waves_to(self, pick: np.ndarray, psi: np.ndarray, uniform: np.ndarray) -> np.ndarray:
+        """Where the waves go to; of a measured spectrum as in the file, if it says so."""
+        if self.sea.spectrum_north:
+            means = np.array([c.sea.spectrum.mean_direction for c in self._choices])
+            return means[pick]
+        return self._direction(self.sea.wave_encounter_deg, psi, uniform)
+
+    def _set_swell(self, records, which, pick, uniform, psi, tasks) -> None:
+        """Height and direction of the swell; the episode's own are those of all waves together.
+
+        Energies add up; period and direction are those of the higher system.
+        """
+        sea, row = self.sea, self._row[which]
+        low = np.array([c.swell_min for c in self._choices])[pick]
+        records["wind_sea"], records["wave_share"] = records["wave_share"], 1.0
+        records["swell"] = low + (1.0 - low) * uniform[:, 0]
+        towards = self._direction(sea.swell_encounter_deg, psi, uniform[:, 1])
+        records["swell_to"] = towards
+        one = np.ones(len(which))
+        north_east(one, towards, records["swell_north"], records["swell_east"])
+        height = records["swell"] * sea.swell_height / self._scale[row]
+        period = sea.swell_period / self._unit[row]
+        others = tasks["wave_height"][which]
+        higher = height > others
+        tasks["wave_height"][which] = np.hypot(others, height)
+        tasks["wave_period"][which] = np.where(higher, period, tasks["wave_period"][which])
+        tasks["wave_to"][which] = np.where(higher, towards, tasks["wave_to"][which])
 
     def _set_wind(self, records, which, pick, uniform, waves_to, psi) -> None:
         """Wind within its range; of a model slower by the square root of the scale (Froude).

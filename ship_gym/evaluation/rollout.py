@@ -13,10 +13,16 @@ import numpy as np
 from gymnasium.utils import seeding
 
 from ship_gym.config import ConfigError, shown
-from ship_gym.conventions import polar
 from ship_gym.envs.env import resolved_scenario
 from ship_gym.envs.episode_log import EpisodeLog
-from ship_gym.envs.episode_record import Conditions, Setting, conditions_of, policy_meta, weather_of
+from ship_gym.envs.episode_record import (
+    Conditions,
+    Setting,
+    conditions_of,
+    currents_of,
+    policy_meta,
+    weather_of,
+)
 from ship_gym.envs.episodes import EpisodeBatch
 from ship_gym.envs.streamed import Streamed, about_run
 from ship_gym.evaluation.controller import Controller, check_controller
@@ -68,11 +74,13 @@ class Rollout:
         ``wave_height`` [m], ``wave_period`` [s], ``wave_direction_to`` [rad], ``wind_speed``
         [m/s], ``wind_direction_to`` [rad], shapes (n,).
     current : numpy.ndarray
-        Speed [m/s] and direction it flows to [rad, from north], shape (n, 2).
+        As ``envs.episode_record.currents_of``, shape (n, 5).
     waves : numpy.ndarray
         Of each episode as ``sea.records.Waters.waves_of``, shape (n, 5, N).
     randomisation : dict
         What was drawn for the ships, by name, shapes (n,); empty if nothing is.
+    given : dict
+        As ``EpisodeBatch.given``.
     policy : dict or None
         ``file`` and ``sha256`` of what the controller was loaded from, if it says (`file`).
     provenance : dict
@@ -90,6 +98,7 @@ class Rollout:
     current: np.ndarray
     waves: np.ndarray
     randomisation: dict[str, np.ndarray]
+    given: dict[str, object]
     policy: dict[str, str] | None
     provenance: dict[str, object]
 
@@ -131,7 +140,7 @@ class Rollout:
 
     @functools.cached_property
     def _setting(self) -> Setting:
-        return Setting(self.scenario, self.ship)
+        return Setting(self.scenario, self.ship, self.given)
 
     def _conditions(self, i: int) -> Conditions:
         return Conditions(
@@ -234,7 +243,7 @@ def rollout(
     if not isinstance(controller, Guarded):
         controller = Guarded(controller, seeds)
     controller.reset(batch.n, batch.ship, batch.scenario)
-    current = polar(batch.sim.seas["mean_north"], batch.sim.seas["mean_east"])
+    current = currents_of(batch.sim.seas)
     made, policy = provenance(), policy_meta(controller.file)
     log = EpisodeLog(batch, batch.n, batch.scenario.steps)
     log.begin(np.arange(batch.n))
@@ -251,9 +260,10 @@ def rollout(
         histories=log.whole(),
         plans=batch.plans,
         weather=weather_of(batch),
-        current=np.column_stack(current),
+        current=current,
         waves=np.stack([batch.sim.water.waves_of(i) for i in range(batch.n)]),
         randomisation=batch.randomisation(),
+        given=batch.given,
         policy=policy,
         provenance=made,
     )
@@ -307,7 +317,7 @@ def _streams(
     """Episodes on their way into files, by index; what is left at an error keeps its journal."""
     log.before()
     batch, made = log.batch, {}
-    setting = Setting(batch.scenario, batch.ship)
+    setting = Setting(batch.scenario, batch.ship, batch.given)
     try:
         for i, path in record.items():
             made[i] = Streamed(path, log, i, conditions_of(batch, i, setting), abouts[i])

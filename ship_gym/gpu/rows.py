@@ -16,8 +16,8 @@ import numpy as np
 # Tables and lists that all ships share; every other array has a row for each ship.
 SCRATCHES = ("scratch", "before")  # of single threads; one of the card has its own of one row
 SHARED = frozenset(
-    ("open_water", "deflected", "components", "offsets", "turns", "groups", "response", "winds")
-    + ("gusts", "failed", "reached")
+    ("open_water", "deflected", "components", "offsets", "turns", "groups", "swell")
+    + ("response", "winds", "gusts", "failed", "reached")
 )
 
 

@@ -44,8 +44,10 @@ class Waves(NamedTuple):
         Amplitude, frequency and wave number of the waves of each sea, sorted by direction; those of
         one direction filled up with waves of no height to a multiple of 8.
     offsets, turns, groups : ndarray (G,), (G, 2), ndarray of np.uint64 (G + 1,)
-        Directions relative to the sea's main one [rad], their cosines and sines; first eight of
-        each, and N / 8.
+        Directions relative to the main one of their system [rad], their cosines and sines; first
+        eight of each, and N / 8.
+    swell : ndarray of bool (G,)
+        Whether it belongs to a swell that goes its own way in each episode (``sea.swell_to``).
     response : structured ndarray (kinds, speeds, headings, N / 8)
         `EIGHT_WAVES` of the ship in that sea: what eight waves need lies together. Headings from 0
         to pi; sway, roll, yaw and their drift change sign with the side.
@@ -57,6 +59,7 @@ class Waves(NamedTuple):
     offsets: np.ndarray
     turns: np.ndarray
     groups: np.ndarray
+    swell: np.ndarray
     response: np.ndarray
     phases: np.ndarray
 
@@ -189,7 +192,9 @@ def mixed(response, at, eight, channel, lane):
 
 
 @kernel
-def of_wave(eight, lane, time, dt, path, components, phase, response, now, later, across, mean):
+def of_wave(
+    eight, lane, time, dt, path, share, components, phase, response, now, later, across, mean
+):  # fmt: skip
     """`Sums` of one wave alone, that of a lane of an eight, of a sea of unit height.
 
     A wave of amplitude a has the phase theta = omega t - k_w place + phase at the ship, and the
@@ -200,9 +205,11 @@ def of_wave(eight, lane, time, dt, path, components, phase, response, now, later
     ----------
     time, dt : float
         Now, and the length of the coming step [s].
+    path : Path
+    share : float
+        Height of the waves of its system by that of their components, beside ``sea.wave_share``.
     components : ndarray (3, N)
     phase : ndarray (N,)
-    path : Path
     now, later, across : Corners
         For the motions now; at the heading of the middle of the coming step, for the drift in surge
         and, `mirrored`, in sway and yaw.
@@ -210,7 +217,8 @@ def of_wave(eight, lane, time, dt, path, components, phase, response, now, later
         Only the constant part of the drift, a^2 T, for Q = 1.
     """
     k = eight * EIGHT + lane
-    a, omega, number = components[AMPLITUDE, k], components[OMEGA, k], components[NUMBER, k]
+    a = share * components[AMPLITUDE, k]
+    omega, number = components[OMEGA, k], components[NUMBER, k]
     omega_e = omega - number * path.speed
     c, s = cos_sin_of_turns((omega * time - number * path.along) * _PER_TURN + phase[k])
     c, s = a * c, a * s
@@ -276,7 +284,7 @@ def lane_sums(lanes):
 
 @kernel
 def sum_waves(
-    first, last, time, dt, path, components, phase, response, now, later, across, mean, lanes
+    first, last, time, dt, path, share, components, phase, response, now, later, across, mean, lanes
 ):  # fmt: skip
     """Add what the waves of one direction bring to the sums in `lanes`, eight side by side.
 
@@ -286,8 +294,9 @@ def sum_waves(
     for eight in range(first, last):
         for k in range(EIGHT):
             one = of_wave(
-                eight, k, time, dt, path, components, phase, response, now, later, across, mean
-            )
+                eight, k, time, dt, path, share, components, phase, response, now, later, across,
+                mean,
+            )  # fmt: skip
             # line by line: an index into a tuple is a switch, which cannot be vectorised
             lanes[0, k] += one.X1
             lanes[1, k] += one.X1_
@@ -352,18 +361,18 @@ def wave_loads(time, dt, body, sea, waves, ship, lanes):
         for k in range(EIGHT):
             lanes[j, k] = 0.0
     for g in range(waves.offsets.shape[0]):
-        direction = sea.wave_to + waves.offsets[g]
+        main, ahead, aside, share = sea.wave_to, sea.wave_north, sea.wave_east, sea.wind_sea
+        if waves.swell[g]:
+            main, ahead, aside, share = sea.swell_to, sea.swell_north, sea.swell_east, sea.swell
+        direction = main + waves.offsets[g]
         c, s = waves.turns[g, 0], waves.turns[g, 1]
-        to_north, to_east = (
-            sea.wave_north * c - sea.wave_east * s,
-            sea.wave_north * s + sea.wave_east * c,
-        )
+        to_north, to_east = ahead * c - aside * s, ahead * s + aside * c
         path = Path(body.x * to_north + body.y * to_east, north * to_north + east * to_east)
         now = mirrored(corners(body.psi, direction, surge, response))
         later = corners(psi, direction, surge, response)
         sum_waves(
-            waves.groups[g], waves.groups[g + 1], time, dt, path, components, phase, response, now,
-            later, mirrored(later), sea.mean_drift == 1, lanes,
+            waves.groups[g], waves.groups[g + 1], time, dt, path, share, components, phase,
+            response, now, later, mirrored(later), sea.mean_drift == 1, lanes,
         )  # fmt: skip
     return of_sums(lane_sums(lanes), sea, max(0.0, u / sea.speed_max - 1.0), dt)
 

@@ -1,7 +1,8 @@
-"""What a recording keeps of its ship."""
+"""What a recording keeps of its ship, and what it says of its x and y."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ship_gym.config import ConfigError
@@ -9,6 +10,18 @@ from ship_gym.ships.powering import largest_power, powering
 
 if TYPE_CHECKING:
     from ship_gym.ships.particulars import Ship
+
+# of x and y, for people who read a file
+_PLANE = "x north, y east [m] in a plane without a place on the earth"
+_ROUTE = (
+    "x north, y east [m] in the plane of the chart (meta chart): the legs of the route one behind "
+    "the other, each with its true bearing and length; ship_gym.charts gives latitude, longitude"
+)
+
+
+def frame(meta: Mapping[str, Any]) -> str:
+    """What x and y of a recording are, in words; with a chart its meta has the key ``chart``."""
+    return _ROUTE if meta.get("chart") else _PLANE
 
 
 def ship_meta(ship: Ship) -> dict[str, Any]:

@@ -150,7 +150,13 @@ def _beyond(trajectory: Trajectory) -> Iterator[tuple[str, np.ndarray]]:
     """What is beyond a limit, and in which rows."""
     ship, columns = section(trajectory.meta, "ship"), trajectory.columns
     corridor = section(trajectory.meta, "limits").get("corridor")  # [m]
-    if corridor is not None and "off_route" in columns:
+    if {"off_route", "corridor_port", "corridor_starboard"} <= columns.keys():
+        off = columns["off_route"]
+        yield (
+            "outside the corridor of the leg",
+            (off > columns["corridor_starboard"]) | (-off > columns["corridor_port"]),
+        )
+    elif corridor is not None and "off_route" in columns:
         yield f"outside the corridor of {corridor:.0f} m", np.abs(columns["off_route"]) > corridor
     if {"u", "v", "psi"} <= columns.keys() and ship.get("speed"):
         slow = speed_through_water(columns) < _SLOW * ship["speed"]
@@ -213,6 +219,9 @@ def _failing(given: Mapping[str, Any], unit: float) -> Iterator[str]:
 
 def _legs(trajectory: Trajectory) -> Iterator[Mark]:
     """Begin of each leg of a track, else changes of the ordered heading."""
+    if trajectory.meta.get("leg_of") and "leg" in trajectory:
+        yield from _legs_of_route(trajectory)
+        return
     legs = len(trajectory.meta.get("waypoints") or ()) - 1
     name = "leg" if "leg" in trajectory else "psi_ordered"
     for row in steps(trajectory, name):
@@ -221,6 +230,15 @@ def _legs(trajectory: Trajectory) -> Iterator[Mark]:
         if name == "leg":
             number = f"{trajectory['leg'][row] + 1:.0f}" + (f" of {legs}" if legs > 0 else "")
             text = f"leg {number} begins" + (f", course {order}" if order else "")
+        yield Mark(float(trajectory["t"][row]), "leg", text)
+
+
+def _legs_of_route(trajectory: Trajectory) -> Iterator[Mark]:
+    """Begin of each leg of a planned route, of which the track has pieces."""
+    pieces = np.asarray(trajectory.meta["leg_of"])
+    legs = pieces[trajectory["leg"].astype(int)]
+    for row in (np.flatnonzero(np.diff(legs)) + 1).tolist():
+        text = f"leg {legs[row] + 1} of {pieces[-1] + 1} of the route begins"
         yield Mark(float(trajectory["t"][row]), "leg", text)
 
 

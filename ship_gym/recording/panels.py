@@ -140,12 +140,24 @@ def _own_panels(columns: Columns, meta: Mapping[str, Any]) -> list[Panel]:
             for name, title, names in meta.get("plots", ())
         )
     )
-    bounds = [(_limit(meta, "corridor"), "corridor"), (_limit(meta, "cross_track"), "limit")]
-    aside = [line for end, name in bounds if end for line in _both(end, name, columns)]
+    aside = _beside_route(columns, meta)
     return [
         replace(panel, series=panel.series + aside) if panel.path == "plots/off_route" else panel
         for panel in found
     ]
+
+
+def _beside_route(columns: Columns, meta: Mapping[str, Any]) -> list[Series]:
+    """Corridor and limit on both sides of a route, which may differ from leg to leg."""
+    corridor, limit = _limit(meta, "corridor"), _limit(meta, "cross_track")
+    sides = ("corridor_starboard", "corridor_port")
+    if corridor and limit and set(sides) <= columns.keys():
+        lines = [(+1.0, columns[sides[0]]), (-1.0, columns[sides[1]])]
+        near = [Series("corridor", side * values, RED, True) for side, values in lines]
+        factor = limit / corridor
+        return near + [Series("limit", side * factor * v, RED, True) for side, v in lines]
+    bounds = [(corridor, "corridor"), (limit, "limit")]
+    return [line for end, name in bounds if end for line in _both(end, name, columns)]
 
 
 def _limit(meta: Mapping[str, Any], name: str) -> float | None:

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ship_gym.config import build
+from ship_gym.sea.measured import MeasuredSpectrum
+
 if TYPE_CHECKING:
     from ship_gym.recording.trajectory import Trajectory
 
@@ -81,6 +84,9 @@ def waves_of(meta: Mapping[str, Any]) -> tuple[float | None, float | None, float
         height = math.hypot(*(system["height"] for system in systems))
         highest = max(systems, key=lambda one: one["height"])
         return height, highest["peak_period"], to + highest.get("direction", 0.0), False
+    if measured := made.get("spectrum"):
+        spectrum = build(MeasuredSpectrum, measured, "meta: config.sea.spectrum")
+        return spectrum.height, spectrum.peak_period, to, False
     return 0.0 if "waves" in made else None, None, 0.0, False
 
 

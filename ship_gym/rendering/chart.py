@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from ship_gym.rendering.scene import Scene
 _SMALLEST_SHIP = 34.0  # length on the picture below which the ship is drawn larger than it is
 _CLOSEST_GRID, _CLOSEST_CREST = 36.0, 26.0
 _MOST_WAKE_POINTS = 400
+_LEGS_ABOUT = 40  # before and after the active one, whose own corridor is drawn
 
 
 def draw_chart(canvas: Canvas, camera: Camera, scene: Scene) -> None:
@@ -117,33 +119,49 @@ def _draw_track(canvas: Canvas, camera: Camera, scene: Scene) -> None:
     track, leg = np.asarray(scene.track, dtype=float), scene.active_leg
     for run in camera.runs(track):
         canvas.line(run, MUTED, 1.2, joint=True)
-    ends = track[leg : leg + 2]
-    if scene.cross_track_limit is not None:
-        _draw_beside(canvas, camera, ends, scene.cross_track_limit, RED)
-    if scene.corridor is not None:
-        _draw_beside(canvas, camera, ends, scene.corridor, BLUE)
-    for run in camera.runs(ends):
+    _draw_limits(canvas, camera, scene, track)
+    for run in camera.runs(track[leg : leg + 2]):
         canvas.line(run, BLUE, 2.4)
-    for k, (x, y) in enumerate(camera.place(track)):
+    turning = scene.turning_points
+    next_one = next(point for point in turning if point > leg)
+    for number, point in enumerate(turning, start=1):
+        x, y = camera.place(track[point])
         if -10.0 < x < camera.width + 10.0 and -10.0 < y < camera.height + 10.0:
-            ahead = k == leg + 1
-            color = BLUE if ahead else MUTED
+            color = BLUE if point == next_one else MUTED
             canvas.circle((x, y), 5.0, PAPER, color, 2.0)
-            canvas.text((x + 9, y - 6), f"{k + 1}", 11, color, "ls", SEA)
+            canvas.text((x + 9, y - 6), f"{number}", 11, color, "ls", SEA)
     _draw_offset(canvas, camera, scene)
 
 
+def _draw_limits(canvas: Canvas, camera: Camera, scene: Scene, track: np.ndarray) -> None:
+    """Limit and corridor beside the active leg; of legs with their own, beside those about it."""
+    leg, corridor, limit = scene.active_leg, scene.corridor, scene.cross_track_limit
+    if scene.leg_limits is None:
+        legs, beside = [leg], np.array([[corridor or 0.0] * 2])
+    else:
+        legs = range(max(leg - _LEGS_ABOUT, 0), min(leg + _LEGS_ABOUT, len(track) - 1))
+        beside = scene.leg_limits[legs[0] : legs[-1] + 1]
+    for k, own in zip(legs, beside.tolist(), strict=True):
+        ends = track[k : k + 2]
+        if limit is not None:
+            farther = limit / corridor if scene.leg_limits is not None else 0.0
+            aside = [farther * side for side in own] if farther else [limit, limit]
+            _draw_beside(canvas, camera, ends, aside, RED)
+        if corridor is not None:
+            _draw_beside(canvas, camera, ends, own, BLUE)
+
+
 def _draw_beside(
-    canvas: Canvas, camera: Camera, ends: np.ndarray, aside: float, color: Color
+    canvas: Canvas, camera: Camera, ends: np.ndarray, aside: Sequence[float], color: Color
 ) -> None:
-    """Dashed lines on both sides of a leg, so far aside [m]."""
+    """Dashed lines beside a leg, so far to port and to starboard [m]."""
     along = ends[1] - ends[0]
     length = float(np.hypot(*along))
     if length == 0.0:
         return
-    starboard = aside / length * np.array([-along[1], along[0]])
-    for side in (-1.0, 1.0):
-        for run in camera.runs(ends + side * starboard):
+    starboard = np.array([-along[1], along[0]]) / length
+    for side, distance in zip((-1.0, 1.0), aside, strict=True):
+        for run in camera.runs(ends + side * distance * starboard):
             canvas.dashed(run[0], run[-1], color, 1.2)
 
 

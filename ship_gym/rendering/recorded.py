@@ -89,8 +89,7 @@ def _wake(trajectory: Trajectory, row: int) -> np.ndarray:
 
 def _aim(trajectory: Trajectory, row: int) -> dict[str, Any]:
     """Ordered heading or track with their limits, as arguments of a scene."""
-    meta, limits = trajectory.meta, section(trajectory.meta, "limits")
-    found: dict[str, Any] = {}
+    meta, found = trajectory.meta, {}
     if "psi_ordered" in trajectory:
         found["psi_ordered"] = float(trajectory["psi_ordered"][row])
     if meta.get("waypoints"):
@@ -98,11 +97,25 @@ def _aim(trajectory: Trajectory, row: int) -> dict[str, Any]:
             "track": np.array(meta["waypoints"], dtype=np.float64),
             "active_leg": int(_value(trajectory, "leg", row)),
             "cross_track": _value(trajectory, "off_route", row),
-            "cross_track_limit": limits.get("cross_track"),
-            "corridor": limits.get("corridor"),
+            **_corridor(trajectory, row),
         }
-    degrees = limits.get("heading_error_deg")
+    degrees = section(meta, "limits").get("heading_error_deg")
     return found | {"heading_limit": None if degrees is None else math.radians(degrees)}
+
+
+def _corridor(trajectory: Trajectory, row: int) -> dict[str, Any]:
+    """Limit and corridor of a track, as arguments of a scene."""
+    meta, limits = trajectory.meta, section(trajectory.meta, "limits")
+    limit, corridor = limits.get("cross_track"), limits.get("corridor")
+    found: dict[str, Any] = {"cross_track_limit": limit, "corridor": corridor}
+    if meta.get("leg_of"):
+        found["leg_of"] = np.array(meta["leg_of"], dtype=np.int64)
+    if meta.get("leg_limits") and limit is not None and corridor is not None:
+        side = "starboard" if _value(trajectory, "off_route", row) > 0.0 else "port"
+        beside = _value(trajectory, f"corridor_{side}", row) or corridor
+        found |= {"corridor": beside, "cross_track_limit": limit * (beside / corridor)}
+        found["leg_limits"] = np.array(meta["leg_limits"], dtype=np.float64)
+    return found
 
 
 def _reward(trajectory: Trajectory, row: int) -> dict[str, Any]:

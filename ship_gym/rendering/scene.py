@@ -58,6 +58,13 @@ class Scene:
         Distance that ends the episode [m].
     corridor : float or None
         Distance that success allows [m].
+    leg_limits : numpy.ndarray or None
+        Corridor of each leg to port and to starboard [m], shape (W - 1, 2); None: `corridor`, on
+        both sides of all. Where there is one, `corridor` and `cross_track_limit` are those beside
+        the ship.
+    leg_of : numpy.ndarray or None
+        Of each leg the leg of the planned route that it is a piece of, shape (W - 1,); None: all
+        are whole.
     current, wind : tuple of float
         Velocities north, east [m/s], where they go to.
     wave_height, wave_period, wave_direction_to : float
@@ -97,6 +104,8 @@ class Scene:
     cross_track: float = 0.0
     cross_track_limit: float | None = None
     corridor: float | None = None
+    leg_limits: np.ndarray | None = None
+    leg_of: np.ndarray | None = None
     current: tuple[float, float] = (0.0, 0.0)
     wind: tuple[float, float] = (0.0, 0.0)
     wave_height: float = 0.0
@@ -116,13 +125,29 @@ class Scene:
         _check_shape("command", self.command, (N_COMMANDS,))
         _check_shape("wake", self.wake, (len(self.wake), 2))
         if self.track is not None:
-            _check_shape("track", self.track, (len(self.track), 2))
-            if len(self.track) < 2:
-                raise ConfigError(f"a track needs at least 2 way-points, it has {len(self.track)}")
-            if not 0 <= self.active_leg < len(self.track) - 1:
-                raise ConfigError(
-                    f"active_leg = {self.active_leg}: allowed is 0 to {len(self.track) - 2}"
-                )
+            self._check_track(len(self.track))
+
+    def _check_track(self, count: int) -> None:
+        _check_shape("track", self.track, (count, 2))
+        if count < 2:
+            raise ConfigError(f"a track needs at least 2 way-points, it has {count}")
+        if not 0 <= self.active_leg < count - 1:
+            raise ConfigError(f"active_leg = {self.active_leg}: allowed is 0 to {count - 2}")
+        if self.leg_limits is not None:
+            _check_shape("leg_limits", self.leg_limits, (count - 1, 2))
+        if self.leg_of is not None:
+            _check_shape("leg_of", self.leg_of, (count - 1,))
+
+    @property
+    def turning_points(self) -> list[int]:
+        """Way-points of the track at which a leg of the planned route begins, and the last one.
+
+        Of a planned turn, which is several pieces, that in its middle.
+        """
+        count = len(self.track)
+        if self.leg_of is None:
+            return list(range(count))
+        return [0, *(np.flatnonzero(np.diff(self.leg_of)) + 1).tolist(), count - 1]
 
     @property
     def position(self) -> np.ndarray:

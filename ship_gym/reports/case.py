@@ -116,7 +116,7 @@ def sail(
 
 def has_waves(sea: Sea) -> bool:
     """Whether a sea has waves."""
-    return sea.regular is not None or bool(sea.waves)
+    return sea.has_waves
 
 
 def sea_of(

@@ -303,12 +303,13 @@ def _beside(path: Path, values: dict[str, Any]) -> dict[str, Any]:
     for key in ("base", "ship"):
         if isinstance(values.get(key), str) and values[key].endswith(".toml"):
             values[key] = str(path.parent / values[key])
-    for task in TASKS.values():
-        for name, section in task.sections.items():
-            given = values.get(name)
-            for key in getattr(section, "PATHS", ()) if isinstance(given, Mapping) else ():
-                if isinstance(given.get(key), str) and given[key]:
-                    values[name] = {**values[name], key: str(path.parent / given[key])}
+    sections = [("sea", SeaRange)]
+    sections += [pair for task in TASKS.values() for pair in task.sections.items()]
+    for name, section in dict.fromkeys(sections):
+        given = values.get(name)
+        for key in getattr(section, "PATHS", ()) if isinstance(given, Mapping) else ():
+            if isinstance(given.get(key), str) and given[key]:
+                values[name] = {**values[name], key: str(path.parent / given[key])}
     return values
 
 

@@ -108,11 +108,18 @@ def wave_components(systems: tuple[WaveSystem, ...], count: int = 60) -> WaveCom
     WaveComponents
         `count` waves, or none if all heights are 0. sum a^2 / 2 = sum H_s^2 / 16 exactly.
     """
-    waves = [s for s in systems if s.height > 0.0]
-    check_count("waves.count", count, max(1, len(waves)))
-    parts = [_of_system(s, n) for s, n in zip(waves, _shares(waves, count), strict=True)]
+    numbers = wave_numbers(systems, count)
+    parts = [_of_system(s, n) for s, n in zip(systems, numbers, strict=True) if n]
     columns = zip(*parts, strict=True) if parts else [[np.zeros(0)]] * 4
     return WaveComponents(*(np.concatenate(column) for column in columns))
+
+
+def wave_numbers(systems: tuple[WaveSystem, ...], count: int) -> list[int]:
+    """How many of `count` waves each system gets, none of height 0; as `wave_components` has it."""
+    waves = [s for s in systems if s.height > 0.0]
+    check_count("waves.count", count, max(1, len(waves)))
+    shares = iter(_shares(waves, count))
+    return [next(shares) if s.height > 0.0 else 0 for s in systems]
 
 
 def check_count(field: str, count: int, low: int = 1) -> None:
@@ -187,5 +194,9 @@ def direction_offsets(s: float, count: int) -> np.ndarray:
     size = np.bincount(group)
     aside = np.sqrt(np.bincount(group, np.sin(middles) ** 2) / size)  # keeps their mean square
     shared = np.sign(np.round(np.bincount(group, middles) / size, 9)) * np.arcsin(aside)
-    order = np.argsort(np.argsort(np.arange(1, count + 1) * _GOLDEN % 1.0))
-    return shared[group][order]
+    return shared[group][golden_order(count)]
+
+
+def golden_order(count: int) -> np.ndarray:
+    """Numbers 0 to count - 1 in the order of multiples of the golden ratio, shape (count,)."""
+    return np.argsort(np.argsort(np.arange(1, count + 1) * _GOLDEN % 1.0))

@@ -27,6 +27,7 @@ from ship_gym.physics.step import Water
 from ship_gym.physics.waves import EIGHT_WAVES, Waves
 from ship_gym.sea.components import WaveComponents
 from ship_gym.sea.gusts import gust_harmonics
+from ship_gym.sea.phases import BEFORE_WAVES, N_DISTURBANCE, N_HARMONICS
 from ship_gym.sea.state import CALM, Sea
 from ship_gym.sea.wave_response import (
     SPEED_STEP,
@@ -38,8 +39,6 @@ from ship_gym.sea.wind_coefficients import wind_table
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import numbered
 
-N_HARMONICS = 16
-N_DISTURBANCE = 2 * N_HARMONICS  # phases of sway force and yaw moment
 _FIRST = 0.4  # omega_1 T: 90 % of the spectrum's variance lies below the last harmonic
 
 SEA_DTYPE = record_type(
@@ -75,6 +74,11 @@ SEA_DTYPE = record_type(
         ("wave_to", np.float64),  # where they go to, from north [rad],
         ("wave_north", np.float64),  # and its cosine and sine: set_direction
         ("wave_east", np.float64),
+        ("wind_sea", np.float64),  # height of the first system by that of its components,
+        ("swell", np.float64),  # and of a swell apart, with where it goes to
+        ("swell_to", np.float64),
+        ("swell_north", np.float64),
+        ("swell_east", np.float64),
     ]
 )
 
@@ -119,7 +123,7 @@ class Waters:
     def n_phases(self) -> int:
         """Uniform numbers for the phases of one ship: of the disturbance, then of the rest."""
         rest = self.n_waves or self.records["windy"].any() or self.records["variation"].any()
-        return N_DISTURBANCE + (1 + N_GUSTS + self.n_waves if rest else 0)
+        return BEFORE_WAVES + self.n_waves if rest else N_DISTURBANCE
 
     @property
     def arrays(self) -> Water:
@@ -134,10 +138,12 @@ class Waters:
         """
         record, waves = self.records[ship], self.waves
         amplitude, omega, number = waves.components[record["response"]]
-        each = np.repeat(waves.offsets, 8 * np.diff(waves.groups).astype(int))
-        direction = record["wave_to"] + each
+        lanes = 8 * np.diff(waves.groups).astype(int)
+        each, swell = np.repeat(waves.offsets, lanes), np.repeat(waves.swell, lanes)
+        direction = np.where(swell, record["swell_to"], record["wave_to"]) + each
+        share = record["wave_share"] * np.where(swell, record["swell"], record["wind_sea"])
         phase = waves.phases[ship]
-        found = np.stack([record["wave_share"] * amplitude, omega, number, phase, direction])
+        found = np.stack([share * amplitude, omega, number, phase, direction])
         return found[:, self.columns]
 
     def for_ships(self, rows: np.ndarray) -> Waters:
@@ -150,6 +156,17 @@ class Waters:
             gust_phases=np.zeros((n, self.gust_phases.shape[1])),
             harmonics=np.zeros((n, *self.harmonics.shape[1:])),
         )
+
+
+def current_at(variation: float, omega: float, phase: float, time: np.ndarray) -> np.ndarray:
+    """Speed of a current by its mean at times [s], as ``physics.dynamics.vary_current`` has it.
+
+    Parameters
+    ----------
+    variation, omega, phase : float
+        Share of the mean speed, frequency [rad/s] and phase [turns].
+    """
+    return 1.0 + variation * np.cos(omega * time + 2.0 * math.pi * phase)
 
 
 def disturbance_spectrum(omega, correlation_time: float):
@@ -174,7 +191,7 @@ def disturbance_harmonics(correlation_time: float) -> tuple[np.ndarray, np.ndarr
 DISTURBANCE_AMPLITUDE = disturbance_harmonics(1.0)[1]  # the same for every correlation time
 
 
-def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
+def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM, apart: bool = False) -> Waters:
     """Arrays of the seas of some ships; ``physics`` draws their phases.
 
     Parameters
@@ -183,6 +200,9 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
         The disturbance scales with each ship and its nominal speed.
     sea : Sea or list of Sea
         One for all, or one each, with the same number of waves and the same directions.
+    apart : bool
+        Whether all systems but the first, the swell, go their own way and have their own share of
+        the height in each record (``swell_to``, ``swell``), instead of those of their sea.
 
     Raises
     ------
@@ -195,10 +215,11 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
         raise ConfigError(f"{len(seas)} seas given for {len(ships)} ships")
     kinds, ship_numbers = numbered(ships)
     different, sea_numbers = numbered(seas)
-    parts = [s.components() for s in different]
-    first = parts[0]
-    for other in parts:
-        if not np.array_equal(other.direction, first.direction):
+    parts = [s.components(apart) for s in different]
+    first, wind_sea = parts[0], different[0].first_count
+    for s, other in zip(different, parts, strict=True):
+        alike = np.array_equal(other.direction, first.direction)
+        if not (alike and (not apart or s.first_count == wind_sea)):
             raise ConfigError("the seas of one simulation must have the same wave directions")
     records = np.zeros(len(ships), SEA_DTYPE)
     responses: list[np.ndarray] = []
@@ -223,7 +244,8 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
             responses.append(wave_response(ship, omega, s.surge_model))
             components.append(np.stack([parts[key[1]].amplitude, omega, omega**2 / G]))
     n = len(ships)
-    offsets, groups, columns = _in_eights(first.direction)
+    swell = np.arange(len(first.omega)) >= (wind_sea if apart else len(first.omega))
+    offsets, groups, swell, columns = _in_eights(first.direction, swell)
     count = 8 * int(groups[-1])
     waves = Waves(
         components=_filled(np.array(components), columns, count)
@@ -232,6 +254,7 @@ def waters(ships: list[Ship], sea: Sea | list[Sea] = CALM) -> Waters:
         offsets=offsets,
         turns=np.stack([np.cos(offsets), np.sin(offsets)], axis=1),
         groups=groups,
+        swell=swell,
         response=_eight_by_eight(_filled(_stacked(responses), columns, count))
         if responses
         else np.zeros((1, 2, 2, 0), EIGHT_WAVES),
@@ -268,20 +291,23 @@ def set_phases(water: Waters, which: np.ndarray, uniform: np.ndarray) -> None:
         if water.gust_phases.shape[1]:
             gusts = uniform[:, N_DISTURBANCE + 1 :][:, :N_GUSTS]
             water.gust_phases[which, :N_GUSTS] = gusts
-        phases = uniform[:, uniform.shape[1] - water.n_waves :]
+        phases = uniform[:, BEFORE_WAVES:]
         water.waves.phases[np.ix_(which, water.columns)] = phases
 
 
-def _in_eights(direction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Different directions, the first eight of each, and the columns of all waves.
+def _in_eights(
+    direction: np.ndarray, swell: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Different directions, the first eight of each, whether of a swell, and columns of all waves.
 
     Each direction begins with an eight of its own, as ``physics.waves.sum_waves`` needs it.
     """
-    offsets, counts = np.unique(direction, return_counts=True)
+    kinds, counts = np.unique(np.stack([swell, direction]), axis=1, return_counts=True)
+    offsets = np.ascontiguousarray(kinds[1])
     groups = np.concatenate([[0], np.cumsum(-(-counts // 8))]).astype(np.uint64)
     starts = np.repeat(8 * groups[:-1].astype(np.int64), counts)
     within = np.concatenate([np.arange(c) for c in counts]) if len(counts) else np.zeros(0)
-    return offsets, groups, starts + within.astype(np.int64)
+    return offsets, groups, kinds[0] > 0.0, starts + within.astype(np.int64)
 
 
 def _no_phases(n: int, count: int) -> np.ndarray:
@@ -346,7 +372,8 @@ def _fill_wind(record: np.record, ship: Ship, sea: Sea) -> None:
 
 def _fill_waves(record: np.record, ship: Ship, waves: WaveComponents, kind: int) -> None:
     record["wavy"], record["response"], record["wave_share"] = 1, kind, 1.0
-    record["wave_north"] = 1.0  # until they are set
+    record["wind_sea"] = record["swell"] = 1.0
+    record["wave_north"] = record["swell_north"] = 1.0  # until they are set
     record["waves_outside"] = energy_outside(ship, waves)
     record["speed_step"] = SPEED_STEP * math.sqrt(G * ship.hull.L)
     record["speed_max"] = wave_table_of(ship).froude[-1] * math.sqrt(G * ship.hull.L)

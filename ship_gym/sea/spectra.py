@@ -58,14 +58,9 @@ class WaveSystem:
         check_number("waves.peak_period", self.peak_period, 0.1, 40.0, "s")
         check_number("waves.gamma", self.gamma, 1.0, 10.0)
         check_angle("waves.direction", self.direction)
-        steepness = 2.0 * math.pi * self.height / (G * self.peak_period**2)
-        if steepness > STEEPEST:
-            raise ConfigError(
-                f"waves.height = {self.height} m at peak_period = {self.peak_period} s: height by "
-                f"length of the peak {steepness:.3f}, a wave breaks above {STEEPEST}"
-            )
+        check_steepness(self.height, self.peak_period)
         if self.spreading != 0.0:
-            _check_spreading(self.spreading)
+            check_spreading(self.spreading)
 
     @property
     def omega_p(self) -> float:
@@ -82,6 +77,16 @@ class WaveSystem:
         """The same waves for a model of a scale, by Froude's law."""
         return dataclasses.replace(
             self, height=self.height / scale, peak_period=self.peak_period / math.sqrt(scale)
+        )
+
+
+def check_steepness(height: float, peak_period: float) -> None:
+    """Refuse a significant height [m] that is too much for its peak period [s]."""
+    steepness = 2.0 * math.pi * height / (G * peak_period**2)
+    if steepness > STEEPEST:
+        raise ConfigError(
+            f"waves.height = {height} m at peak_period = {peak_period} s: height by "
+            f"length of the peak {steepness:.3f}, a wave breaks above {STEEPEST}"
         )
 
 
@@ -207,12 +212,13 @@ def spreading(theta, s: float) -> np.ndarray:
     numpy.ndarray
         D(theta) [1/rad].
     """
-    _check_spreading(s)
+    check_spreading(s)
     theta = np.asarray(theta, dtype=float)
     norm = math.exp(math.lgamma(s + 1.0) - math.lgamma(s + 0.5)) / math.sqrt(math.pi)
     return norm * np.where(np.abs(theta) < 0.5 * math.pi, np.cos(theta) ** 2, 0.0) ** s
 
 
-def _check_spreading(s: float) -> None:
+def check_spreading(s: float) -> None:
+    """Refuse an exponent of `spreading` that is none."""
     if not 1.0 <= check_number("waves.spreading", s, 0.0, 100.0):
         raise ConfigError(f"waves.spreading = {s}: allowed is 1 to 100, or 0 for long-crested")

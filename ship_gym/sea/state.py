@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +16,14 @@ from ship_gym.sea.components import (
     omega_of_length,
     regular_wave,
     wave_components,
+    wave_numbers,
 )
+from ship_gym.sea.measured import MeasuredSpectrum
+from ship_gym.sea.phases import wave_phases
 from ship_gym.sea.sea_states import sea_state
 from ship_gym.sea.spectra import WaveSystem
+from ship_gym.sea.spectrum_files import read_spectrum
+from ship_gym.sea.surface import sum_of
 from ship_gym.sea.wind_coefficients import METHODS
 
 # Standard deviations of a disturbance that ships bear: at these each of five ships of the package
@@ -60,6 +66,9 @@ class Sea:
         Wind sea and swells of an irregular sea; ``sea.sea_states.sea_state(5).waves()`` is one.
     regular : RegularWave or None
         Instead of them.
+    spectrum : MeasuredSpectrum or None
+        Instead of them, a measured spectrum (`measured_sea`); its mean direction is where the waves
+        go to.
     wave_direction_to : float
         Where the waves go to, from north clockwise [rad]; systems may lie off it.
     wave_count : int
@@ -96,6 +105,7 @@ class Sea:
     wind_direction_from: float = 0.0
     wind_method: str = "blendermann"
     gusts: bool = False
+    spectrum: MeasuredSpectrum | None = None
 
     def __post_init__(self):
         object.__setattr__(self, "waves", tuple(self.waves))  # a list has no hash
@@ -114,19 +124,93 @@ class Sea:
         check_known("wind method", self.wind_method, METHODS)
         if self.regular is not None and self.waves:
             raise ConfigError("sea: either a regular wave or an irregular sea, not both")
+        if self.spectrum is not None and (self.waves or self.regular is not None):
+            raise ConfigError("sea: either a measured spectrum or other waves, not both")
         if self.gusts and self.wind_speed < 0.5:
             raise ConfigError(
                 f"sea.gusts with wind_speed = {self.wind_speed}: allowed is a wind from 0.5 m/s"
             )
         self.components()  # refuses what no wave has
 
-    def components(self) -> WaveComponents:
-        """Its regular waves, sorted by direction; empty without waves."""
+    def components(self, apart: bool = False) -> WaveComponents:
+        """Its regular waves, sorted by direction; empty without waves.
+
+        With `apart` those of the first system come first, `first_count` of them, then the swells.
+        """
         if self.regular is not None:
             return regular_wave(self.regular.amplitude, self.regular.omega)
-        found = wave_components(self.waves, self.wave_count) if self.waves else _NO_WAVES
-        order = np.argsort(found.direction, kind="stable")
+        if self.spectrum is not None:
+            found = self.spectrum.components(self.wave_count)
+        else:
+            found = wave_components(self.waves, self.wave_count) if self.waves else _NO_WAVES
+        swell = np.arange(len(found.omega)) >= self.first_count if apart else False
+        order = np.lexsort((found.direction, np.broadcast_to(swell, found.omega.shape)))
         return WaveComponents(*(column[order] for column in found))
+
+    def elevation(
+        self, x: Any, y: Any, t: Any, seed: int | None = 0, phases: Any = None
+    ) -> np.ndarray:
+        """Elevation of the surface above still water at places and times [m], positive up.
+
+        Parameters
+        ----------
+        x, y, t : array_like
+            North and east [m] and time [s], of shapes that go together.
+        seed : int, optional
+            The phases are those of ``ShipSim.reset(seed)`` for ship 0; of ship i those of seed + i.
+        phases : array_like, optional
+            Instead of them: of each wave of `components` [turns].
+
+        Returns
+        -------
+        numpy.ndarray
+            Of the shape to which x, y and t broadcast; zero without waves.
+
+        Raises
+        ------
+        ConfigError
+            Another number of phases than of waves.
+        """
+        waves = self.components()
+        count = len(waves.omega)
+        turns = wave_phases(seed, count) if phases is None else np.asarray(phases, dtype=float)
+        if turns.shape != (count,):
+            raise ConfigError(f"phases have shape {turns.shape}: allowed is ({count},)")
+        to = self.wave_direction_to + waves.direction
+        return sum_of(np.stack([waves.amplitude, waves.omega, waves.k, turns, to]), x, y, t)
+
+    @property
+    def first_count(self) -> int:
+        """Number of regular waves of the first system."""
+        if self.regular is not None:
+            return 1
+        if self.spectrum is not None:
+            return self.wave_count
+        return wave_numbers(self.waves, self.wave_count)[0] if self.waves else 0
+
+    @property
+    def has_waves(self) -> bool:
+        """Whether there are waves."""
+        return self.regular is not None or self.spectrum is not None or bool(self.waves)
+
+    @property
+    def height(self) -> float:
+        """Significant height of all systems together, or height of a regular wave [m]."""
+        if self.regular is not None:
+            return 2.0 * self.regular.amplitude
+        if self.spectrum is not None:
+            return self.spectrum.height
+        return math.hypot(*(system.height for system in self.waves))
+
+    @property
+    def period(self) -> float:
+        """Peak period of the highest system, or period of a regular wave [s]; 0 without waves."""
+        if self.regular is not None:
+            return 2.0 * math.pi / self.regular.omega
+        if self.spectrum is not None:
+            return self.spectrum.peak_period
+        highest = max(self.waves, key=lambda system: system.height, default=None)
+        return highest.peak_period if highest else 0.0
 
     def scaled(self, scale: float) -> Sea:
         """The same sea for a model of a scale, by Froude's law; the disturbance has no scale.
@@ -140,6 +224,7 @@ class Sea:
             current_period=self.current_period / root,
             waves=tuple(system.scaled(scale) for system in self.waves),
             regular=self.regular.scaled(scale) if self.regular else None,
+            spectrum=self.spectrum.scaled(scale) if self.spectrum else None,
             wind_speed=self.wind_speed / root,
         )
 
@@ -199,6 +284,38 @@ def irregular_sea(
     """
     system = WaveSystem(spectrum, height, peak_period, gamma, 0.0, spreading)
     return Sea(waves=(system,), wave_direction_to=_opposite(direction_from), drift=drift)
+
+
+def measured_sea(
+    spectrum: MeasuredSpectrum | str | Path,
+    *,
+    height: float | None = None,
+    direction_from: float | None = None,
+    wave_count: int = 60,
+    drift: str = "slow",
+) -> Sea:
+    """A sea of a measured or hindcast spectrum.
+
+    Parameters
+    ----------
+    spectrum : MeasuredSpectrum or path
+        Or a file, as ``sea.spectrum_files.read_spectrum`` reads it.
+    height : float, optional
+        Significant height to which it is scaled [m]; that of the file if omitted.
+    direction_from : float, optional
+        Where the waves come from in the mean [rad]; as in the file if omitted, of one without
+        directions from north.
+    wave_count : int
+        Number of regular waves.
+    drift
+        As in `regular_sea`.
+    """
+    found = spectrum if isinstance(spectrum, MeasuredSpectrum) else read_spectrum(spectrum)
+    found = found if height is None else found.with_height(height)
+    to = found.mean_direction if found.direction else math.pi
+    if direction_from is not None:
+        to = _opposite(direction_from)
+    return Sea(spectrum=found, wave_direction_to=to, wave_count=wave_count, drift=drift)
 
 
 def _opposite(direction: float) -> float:

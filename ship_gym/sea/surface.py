@@ -39,6 +39,14 @@ def elevation(waves: Mapping[str, Any], x: Any, y: Any, t: Any) -> np.ndarray:
     return np.cos(theta) @ a
 
 
+def sum_of(waves: np.ndarray, x: Any, y: Any, t: Any) -> np.ndarray:
+    """`elevation` of waves of shape (5, N), as ``sea.records.Waters.waves_of`` has them."""
+    entries = wave_entries(waves)
+    if entries is None:
+        return np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(t)))
+    return elevation(entries, x, y, t)
+
+
 def wave_entries(waves: np.ndarray) -> dict[str, list[float]] | None:
     """The waves of a ship as `elevation` takes them and a recording keeps them.
 

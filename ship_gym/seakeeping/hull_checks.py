@@ -1,6 +1,12 @@
-"""Checks of a hull mesh, each with a hint how to repair what it refuses."""
+"""Checks of a hull mesh, each with a hint how to repair what it refuses.
+
+A hint names the option of ``ship-gym build-wave-table``; the argument of `read_hull` is called the
+same, with underscores.
+"""
 
 from __future__ import annotations
+
+import dataclasses
 
 import numpy as np
 
@@ -12,77 +18,103 @@ from ship_gym.ships.particulars import Ship
 _VOLUME = 0.05  # largest difference from the ship file
 _LENGTH, _MIDDLE, _DRAUGHT = 0.15, 0.08, 0.15  # by L, by L, by d: wrong units, origin, waterline
 _CENTRE = 0.01  # by L: centre of buoyancy of a hull that may lie the wrong way round
+_CLOSED = 1e-3  # of the volume along x, y and z, and of the area seen along x and y
 _UNITS = {"mm": 0.001, "cm": 0.01, "inch": 0.0254, "ft": 0.3048, "km": 1000.0}
 
 
-def check_place(points: np.ndarray, ship: Ship, name: str) -> None:
+@dataclasses.dataclass(frozen=True)
+class Placed:
+    """How a file was placed, as in `read_hull`: a hint says by what to replace it."""
+
+    scale: float = 1.0
+    forward: str = "+x"
+    up: str = "+z"
+    midship: float = 0.0
+    waterline: float = 0.0
+
+
+def check_place(points: np.ndarray, ship: Ship, name: str, placed: Placed) -> None:
     """Refuse a mesh that is not the ship's size or not where the ship is, and guess why."""
     L, d = ship.hull.L, ship.hull.d
     wet = points[points[:, 2] > 0.0]
-    if len(wet) == 0:
-        raise ConfigError(
-            f"{name}: nothing below the waterline; z reaches from {-points[:, 2].max():.4g} to "
-            f"{-points[:, 2].min():.4g} m above it: give waterline = its height, or another up"
-        )
+    deepest = float(points[:, 2].max())
+    height = placed.waterline + d - deepest  # of the waterline, at the ship's draught
     size = np.ptp(points, axis=0)
     if abs(size[0] / L - 1.0) > _LENGTH:
         raise ConfigError(
-            f"{name}: {size[0]:.4g} m long, but {ship.name} has L = {L:.4g} m; {_guess(size, L)}"
+            f"{name}: {size[0]:.4g} m long, but {ship.name} has L = {L:.4g} m; "
+            f"{_guess(size, L, placed)}"
         )
-    middle = 0.5 * (wet[:, 0].max() + wet[:, 0].min())
+    if len(wet) == 0:
+        raise ConfigError(
+            f"{name}: nothing below the waterline; z reaches from {-deepest:.4g} to "
+            f"{-points[:, 2].min():.4g} m above it: give --waterline {height:.6g} for the ship's "
+            "draught, or another --up"
+        )
+    middle = float(0.5 * (wet[:, 0].max() + wet[:, 0].min()))
     if abs(middle) > _MIDDLE * L:
         raise ConfigError(
-            f"{name}: the hull's middle lies {middle:.4g} m forward of midship; give midship = "
-            "coordinate of the middle between the perpendiculars (half of L if x = 0 is the stern)"
+            f"{name}: the hull's middle lies {middle:.4g} m forward of midship; give "
+            "--midship, the middle between the perpendiculars in the file, about "
+            f"{placed.midship + middle:.6g}"
         )
-    if abs(wet[:, 2].max() / d - 1.0) > _DRAUGHT:
+    if abs(deepest / d - 1.0) > _DRAUGHT:
         raise ConfigError(
-            f"{name}: draught {wet[:, 2].max():.4g} m, but {ship.name} has d = {d:.4g} m; give "
-            "waterline = its height above the file's zero (d if z = 0 is the keel)"
+            f"{name}: draught {deepest:.4g} m, but {ship.name} has d = {d:.4g} m; give "
+            f"--waterline, its height above the file's zero: {height:.6g} for this draught"
         )
 
 
-def _guess(size: np.ndarray, L: float) -> str:
+def _guess(size: np.ndarray, L: float, placed: Placed) -> str:
     """What may be wrong with a mesh of this size (3,) [m]."""
-    if np.argmax(size) != 0:
-        axis = "starboard" if np.argmax(size) == 1 else "vertical"
-        return f"it is longest along the {axis} axis: give forward and up"
+    longest = int(np.argmax(size))
+    if longest != 0:
+        axis = "starboard" if longest == 1 else "vertical"
+        letter = (
+            placed.up[1] if longest == 2 else ({*"xyz"} - {placed.up[1], placed.forward[1]}).pop()
+        )
+        return (
+            f"it is longest along the {axis} axis: give --forward +{letter} or -{letter} and, if "
+            "need be, --up"
+        )
     for unit, metres in _UNITS.items():
         if abs(size[0] * metres / L - 1.0) < _LENGTH:
-            return f"it looks like {unit}: multiply scale by {metres:g}"
-    return f"if it is the same ship at another size multiply scale by about {L / size[0]:.4g}"
+            return f"it looks like {unit}: give --scale {placed.scale * metres:g}"
+    return (
+        "if it is the same ship at another size give --scale "
+        f"{placed.scale * L / size[0]:.4g} or so"
+    )
 
 
-def check_mesh(mesh: HullMesh, ship: Ship, name: str = "hull mesh") -> None:
+def check_mesh(
+    mesh: HullMesh, ship: Ship, name: str = "hull mesh", placed: Placed | None = None
+) -> None:
     """Refuse a mesh that a boundary element method cannot use, and say how to repair it.
 
     Raises
     ------
     ConfigError
-        Normals that disagree or point inward, holes below the waterline, a volume that differs
-        from the ship file's by more than 5 %, a bow where the stern should be.
+        Normals that disagree or point inward, holes below the waterline that count, a volume that
+        differs from the ship file's by more than 5 %, a bow where the stern should be.
     """
     _check_winding(mesh, name)
-    _check_holes(mesh, name)
+    _check_closed(mesh, name)
     found = hydrostatics(mesh)
     if found.volume < 0.0:
-        raise ConfigError(f"{name}: the normals point into the hull; give flip_normals = True")
-    if closure(mesh) > 1e-3:
-        raise ConfigError(
-            f"{name}: not watertight: its volume differs by {100 * closure(mesh):.2g} % along "
-            "x, y and z: fill holes in a mesh editor"
-        )
+        raise ConfigError(f"{name}: the normals point into the hull; give --flip-normals")
     if abs(found.volume / ship.hull.volume - 1.0) > _VOLUME:
         raise ConfigError(
             f"{name}: volume {found.volume:.5g} m3, but {ship.name} has {ship.hull.volume:.5g}: "
-            f"allowed is a difference of {100 * _VOLUME:g} %; check scale and waterline, and that "
-            "there are no inner walls, tanks or double surfaces"
+            f"allowed is a difference of {100 * _VOLUME:g} %; check --scale and --waterline, and "
+            "that there are no inner walls, tanks or double surfaces"
         )
     x_B, given = comparison(mesh, ship)["x_B"]
     if abs(x_B - given) > max(_CENTRE * ship.hull.L, 2.0 * abs(x_B + given)):
+        forward = (placed or Placed()).forward
+        other = ("-" if forward[0] == "+" else "+") + forward[1]
         raise ConfigError(
             f"{name}: centre of buoyancy {x_B:.4g} m forward of midship, but {ship.name} has "
-            f"{given:.4g} m: the bow seems to be at the stern; give forward with the other sign"
+            f"{given:.4g} m: the bow seems to be at the stern; give --forward {other}"
         )
 
 
@@ -95,31 +127,43 @@ def _check_winding(mesh: HullMesh, name: str) -> None:
         x, y, z = mesh.vertices[edges[index[count > 1][0], 0]]
         raise ConfigError(
             f"{name}: {int((count > 1).sum())} pairs of panels have normals on opposite sides or "
-            f"lie on each other, one at x {x:.4g}, y {y:.4g}, z {z:.4g} m: make the normals "
-            "consistent in a mesh editor (recalculate outside) and remove doubled faces"
+            f"lie on each other, one at x {x:.4g}, y {y:.4g}, z {z:.4g} m: give --fix-normals; if "
+            "that does not help remove doubled faces in a mesh editor"
         )
 
 
-def _check_holes(mesh: HullMesh, name: str) -> None:
-    """Open edges may lie at the waterline and, of a half, in the centre plane."""
+def _check_closed(mesh: HullMesh, name: str) -> None:
+    """What is open must not count: area vectors that add up, one volume along x, y and z.
+
+    A lid at the waterline, which is not there, adds nothing to the volumes and nothing to the area
+    seen along x and y.
+    """
+    apart, lost = closure(mesh), _lost(mesh)
+    if apart <= _CLOSED and lost <= _CLOSED:
+        return
+    told = (
+        f"{name}: not watertight: its volume differs by {100.0 * apart:.2g} % along x, y and z, "
+        f"{100.0 * lost:.2g} % of its area is missing (allowed 0.1)"
+    )
     tolerance = 1e-5 * mesh.length
     ends = mesh.vertices[boundary_edges(mesh)]
     allowed = (np.abs(ends[..., 2]) < tolerance).all(axis=1)
     centre = (np.abs(ends[..., 1]) < tolerance).all(axis=1)
-    if mesh.symmetric:
-        allowed |= centre
     if allowed.all():
-        return
+        raise ConfigError(f"{told}, though no edge is open: look for faces that cross each other")
+    if centre[~allowed].all():
+        raise ConfigError(f"{told}; only one side is in the file: mirror it in y = 0")
     x, y, z = ends[~allowed].mean(axis=1)[-1]
-    half = (
-        "; only one side is in the file: mirror it in y = 0"
-        if centre[~allowed].all()
-        else ": merge vertices, fill holes or stitch the patches in a mesh editor"
-    )
     raise ConfigError(
-        f"{name}: not watertight below the waterline: {int((~allowed).sum())} open edges, one at "
-        f"x {x:.4g}, y {y:.4g}, z {z:.4g} m{half}"
+        f"{told}: {int((~allowed).sum())} open edges, one at x {x:.4g}, y {y:.4g}, z {z:.4g} m: "
+        "close gaps with --weld [m], fill holes in a mesh editor"
     )
+
+
+def _lost(mesh: HullMesh) -> float:
+    """What does not cancel of the area seen along x and y, by that area; 0 of a closed hull."""
+    sides = mesh.both_sides().area_vectors[:, :2]
+    return float((np.abs(sides.sum(axis=0)) / np.abs(sides).sum(axis=0)).max())
 
 
 def check_panels(mesh: HullMesh, name: str) -> None:
@@ -129,5 +173,5 @@ def check_panels(mesh: HullMesh, name: str) -> None:
         x, y, z = mesh.vertices[mesh.panels[flat][0, 0]]
         raise ConfigError(
             f"{name}: {int(flat.sum())} degenerate panels without area, one at x {x:.4g}, "
-            f"y {y:.4g}, z {z:.4g} m: let it be coarsened (panels = 704) or remove slivers"
+            f"y {y:.4g}, z {z:.4g} m: let it be coarsened (--panels 704) or remove slivers"
         )

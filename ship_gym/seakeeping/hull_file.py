@@ -1,23 +1,21 @@
-"""A user's hull file (STL, OBJ, GDF and more) as panels: read, turn, cut, check, coarsen.
+"""A user's hull file as panels: read, turn, close, cut, check, coarsen.
 
-Every step leaves a line in the mesh's report; what cannot be repaired safely is refused with a
-hint.
+Every step leaves a line in the mesh's report; what cannot be repaired safely is refused with the
+option of ``ship-gym build-wave-table`` that helps. docs/hulls.md lists the formats.
 """
 
 from __future__ import annotations
 
-import importlib
-import io
-import re
+import dataclasses
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number, shown, told_of
-from ship_gym.reading import check_array, read_as, read_bytes, read_text
-from ship_gym.seakeeping.hull_checks import check_mesh, check_panels, check_place
+from ship_gym.config import ConfigError, check_known, check_number, told_of
+from ship_gym.seakeeping.hull_checks import Placed, check_mesh, check_panels, check_place
+from ship_gym.seakeeping.hull_formats import CAD, read_faces
 from ship_gym.seakeeping.hull_mesh import HullMesh, starboard_half, welded
+from ship_gym.seakeeping.hull_repair import GAP, close_gaps, oriented
 from ship_gym.seakeeping.hull_sections import coarsened
 from ship_gym.seakeeping.hydrostatics import hydrostatics
 from ship_gym.ships.files import Named
@@ -25,14 +23,6 @@ from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 
 _DIRECTIONS = {"+x": 0, "-x": 0, "+y": 1, "-y": 1, "+z": 2, "-z": 2}
-_TRIMESH = (".stl", ".obj", ".ply", ".off")
-_MOST_FACES = 2_000_000
-_FAR = 1e9  # of a vertex from the origin, in the unit of the file
-_CORNER = re.compile(r"-?[0-9]+(/-?[0-9]*)?(/-?[0-9]*)?")  # of an OBJ face: vertex/texture/normal
-_GDF = (
-    "a low-order GDF file (a title, ULEN GRAV, ISX ISY, the number of panels and four corners of "
-    "three numbers for each)"
-)
 
 
 def read_hull(
@@ -45,6 +35,8 @@ def read_hull(
     midship: float = 0.0,
     waterline: float = 0.0,
     flip_normals: bool = False,
+    fix_normals: bool = False,
+    weld: float | None = None,
     panels: int | None = 704,
 ) -> HullMesh:
     """Hull mesh of a ship from a user's file.
@@ -52,13 +44,15 @@ def read_hull(
     Parameters
     ----------
     path : path-like
-        ``.stl``, ``.obj``, ``.ply``, ``.off`` (trimesh), ``.gdf`` (WAMIT), or what meshio reads.
-        The surface may reach above the waterline; it is cut there.
+        Of a format in docs/hulls.md: panels of WAMIT, Nemoh, HydroStar, HAMS, surfaces as STL, OBJ
+        and more, meshes of Gmsh, VTK and more, STEP, IGES. The surface may reach above the
+        waterline; it is cut there.
     ship : Ship, or its name or file
         The mesh must have its length, draught and volume.
     scale : float
         Metres of this ship per unit of the file: 0.001 for millimetres, 59.407 for a full-scale
-        ship from a file of its 1/59.407 model.
+        ship from a file of its 1/59.407 model. STEP and IGES name their unit, which is obeyed:
+        of them it is metres of this ship per metre.
     forward, up : str
         Axis of the file that points to the bow, and upwards: "+x", "-x", ... "-z".
     midship, waterline : float
@@ -66,6 +60,11 @@ def read_hull(
         after `scale`. The middle between the perpendiculars, not of the overall length.
     flip_normals : bool
         True if the file's normals point into the hull.
+    fix_normals : bool
+        Turn faces until neighbours agree and normals point out of the hull. Done without asking to
+        STEP and IGES, whose surfaces have no side.
+    weld : float, optional
+        Gaps between faces up to this are closed [m]; default: 1e-4 of the length.
     panels : int or None
         Number of panels wanted for both sides; None keeps the file's own, which then must be alike
         on both sides and not cross the centre plane.
@@ -84,33 +83,55 @@ def read_hull(
     """
     path, ship = Path(path), load_ship(ship)
     check_number("scale", scale, 1e-9, 1e9)
+    if weld is not None:
+        check_number("weld", weld, 0.0, 0.01 * ship.hull.L, "m")
     if panels is not None:
         panels = int(check_number("panels", panels, 40, 20000))
-    vertices, faces, note = _read(path)
+    placed = Placed(scale, forward, up, midship, waterline)
+    vertices, faces, note = read_faces(path)
     points = _turned(vertices * scale, forward, up, midship, waterline)
     faces = faces[:, ::-1] if flip_normals else faces
+    fix_normals = fix_normals or path.suffix.lower() in CAD
     with told_of(path):
-        mesh = _under_water(points, faces, ship, note, path)
+        check_place(points, ship, str(path), placed)
+        points, faces, closed = _closed(points, faces, weld)
+        mesh = _under_water(points, faces, fix_normals, (note, *closed))
+        check_mesh(mesh, ship, str(path), placed)
         if panels is None:
             check_panels(mesh, str(path))
             return starboard_half(mesh)
         coarse = coarsened(mesh, panels)
-        check_mesh(coarse, ship, f"{path} with {coarse.count} panels")
+        check_mesh(coarse, ship, f"{path} with {coarse.count} panels", placed)
         return coarse
 
 
+def _closed(
+    points: np.ndarray, faces: np.ndarray, weld: float | None
+) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
+    """The surface with its gaps closed, as it came where there are none, and what was done."""
+    whole = welded(points, faces, symmetric=False)
+    gap = GAP * whole.length if weld is None else weld
+    vertices, panels, count = close_gaps(whole.vertices, whole.panels, gap)
+    if not count:
+        return points, faces, ()
+    return vertices, panels, (f"closed {count} open edges with gaps of at most {gap:.3g} m",)
+
+
 def _under_water(
-    points: np.ndarray, faces: np.ndarray, ship: Ship, note: str, path: Path
+    points: np.ndarray, faces: np.ndarray, fix_normals: bool, report: tuple[str, ...]
 ) -> HullMesh:
-    """Both sides of the hull below its waterline, checked, with what was done in its report."""
-    check_place(points, ship, str(path))
+    """Both sides of the hull below its waterline, with what was done in its report."""
     if one_side := _one_side(points):
-        note += ", one side, mirrored"
-    mesh = welded(*cut(points, faces), symmetric=one_side).both_sides()
-    check_mesh(mesh, ship, str(path))
+        report = (report[0] + ", one side, mirrored", *report[1:])
+    half = welded(*cut(points, faces), symmetric=one_side)
+    if fix_normals:
+        panels, turned = oriented(half.vertices, half.panels)
+        half = dataclasses.replace(half, panels=panels)
+        report = (*report, f"turned {turned} of {len(panels)} panels outward")
+    mesh = half.both_sides()
     found = hydrostatics(mesh)
     return mesh.with_report(
-        note,
+        *report,
         f"cut at the waterline: {mesh.count} panels below, volume {found.volume:.6g} m3, "
         f"wetted surface {found.S:.6g} m2",
     )
@@ -120,120 +141,6 @@ def _one_side(points: np.ndarray) -> bool:
     """True if the file holds one half of the hull only."""
     tolerance = 1e-4 * np.ptp(points[:, 0])
     return bool(points[:, 1].min() > -tolerance or points[:, 1].max() < tolerance)
-
-
-def _read(path: Path) -> tuple[np.ndarray, np.ndarray, str]:
-    """Vertices (V, 3), triangles or quadrilaterals (P, 3 or 4), and a line for the report."""
-    kind = path.suffix.lower()
-    try:
-        with read_as(path, "a mesh"):
-            if kind == ".gdf":
-                vertices, faces = read_gdf(path)
-            else:
-                vertices, faces = (_read_trimesh if kind in _TRIMESH else _read_meshio)(path)
-    except SystemExit as error:  # meshio's word for a file that it does not know
-        raise ConfigError(f"{path}: not a mesh, or damaged: {error}") from None
-    vertices, faces = _checked(path, vertices, faces)
-    return vertices, faces, f"{path.name}: {len(faces)} faces"
-
-
-def _checked(path: Path, vertices: object, faces: object) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices that are finite and faces between them, whatever a library has made of a file."""
-    vertices, faces = np.asarray(vertices), np.asarray(faces)
-    if len(faces) == 0:
-        raise ConfigError(f"{path}: holds no faces")
-    if len(faces) > _MOST_FACES:
-        raise ConfigError(f"{path}: {len(faces)} faces: allowed are at most {_MOST_FACES}")
-    check_array(f"{path}: vertices", vertices, (None, 3), -_FAR, _FAR)
-    if faces.ndim != 2 or faces.shape[1] not in (3, 4):
-        raise ConfigError(f"{path}: faces of shape {faces.shape}: allowed are 3 or 4 corners")
-    last = len(vertices) - 1
-    check_array(f"{path}: corners of faces", faces, faces.shape, 0, last, "number of a vertex")
-    return vertices.astype(float), faces.astype(np.int64)
-
-
-def _read_trimesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """From the bytes alone: materials and pictures that a file names are not looked for."""
-    trimesh = _library("trimesh", path)
-    data, kind = read_bytes(path), path.suffix.lower()
-    if kind == ".obj":
-        _check_obj(path)
-    # without its processing, which leaves out vertices that are not finite
-    solid = trimesh.load_mesh(io.BytesIO(data), file_type=kind[1:], process=False)
-    vertices, faces = _checked(path, solid.vertices, solid.faces)
-    solid = trimesh.Trimesh(vertices, faces, process=True)
-    return solid.vertices, solid.faces
-
-
-def _check_obj(path: Path) -> None:
-    """Refuse a line of a vertex or a face that is damaged; the library passes over some."""
-    for number, line in enumerate(read_text(path, fallback="latin-1").splitlines(), 1):
-        word, *values = line.partition("#")[0].split() or [""]
-        if word == "v":
-            try:
-                whole = len([float(value) for value in values]) >= 3
-            except ValueError:
-                whole = False
-        elif word == "f":
-            whole = len(values) >= 3 and all(_CORNER.fullmatch(value) for value in values)
-        else:
-            continue
-        if not whole:
-            raise ConfigError(
-                f"{path}:{number}: {shown(line)}: needed are three numbers of a vertex (v), or "
-                "three or more corners of a face (f)"
-            )
-
-
-def _library(name: str, path: Path) -> ModuleType:
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        raise ConfigError(
-            f"{path}: {error}; install the extra: pip install ship-gym[bem]"
-        ) from None
-
-
-def _read_meshio(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    meshio = _library("meshio", path)
-    read_bytes(path)  # a regular file of a size that can be read
-    mesh = meshio.read(path)
-    found = [mesh.cells_dict[kind] for kind in ("triangle", "quad") if kind in mesh.cells_dict]
-    if not found:
-        raise ConfigError(f"{path}: holds no triangles or quadrilaterals")
-    four = [faces if faces.shape[1] == 4 else faces[:, [0, 1, 2, 2]] for faces in found]
-    return mesh.points, np.concatenate(four)
-
-
-def read_gdf(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
-    """Panels of a WAMIT low-order GDF file, its symmetries unfolded.
-
-    Returns
-    -------
-    vertices : numpy.ndarray, shape (4 P, 3)
-        In the file's axes and units (x forward, y to port, z up; ULEN is not applied).
-    panels : numpy.ndarray, shape (P, 4)
-        Anticlockwise seen from the water, so normals point out of the hull.
-
-    Raises
-    ------
-    ConfigError
-        Too few numbers, or a higher-order file.
-    """
-    lines = read_text(path, fallback="latin-1").splitlines()
-    with read_as(path, _GDF):
-        ISX, ISY = (int(float(word)) for word in lines[2].split()[:2])
-        count = int(float(lines[3].split()[0]))
-        if not 0 < count <= _MOST_FACES:
-            raise ValueError(f"{count} panels: allowed are 1 to {_MOST_FACES}")
-        numbers = np.array(" ".join(lines[4:]).replace(",", " ").split()[: 12 * count], dtype=float)
-        corners = numbers.reshape(count, 4, 3)
-    check_array(f"{path}: corners", corners, corners.shape, -_FAR, _FAR)
-    for axis, wanted in enumerate((ISX, ISY)):
-        if wanted:
-            mirrored = corners[:, ::-1] * np.where(np.arange(3) == axis, -1.0, 1.0)
-            corners = np.concatenate([corners, mirrored])
-    return corners.reshape(-1, 3), np.arange(4 * len(corners)).reshape(-1, 4)
 
 
 def _turned(

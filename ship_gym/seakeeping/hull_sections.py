@@ -15,6 +15,7 @@ from ship_gym.seakeeping.hydrostatics import hydrostatics
 
 _ASPECT = 5.5  # stations per strip: 44 x 8 in a half of 704
 _LOPSIDED = 0.01  # centre of buoyancy off the centre plane, by the beam
+_CORNER, _REACH = np.radians(55.0), 0.02  # turn of a corner within this share of the girth each way
 _END = 1e-3  # of the length: first and last section lie this far inside, where they have a shape
 
 
@@ -42,8 +43,11 @@ def coarsened(mesh: HullMesh, panels: int) -> HullMesh:
     sections = np.zeros((stations + 1, girth + 1, 3))
     for i, at in enumerate(low + (high - low) * (_END + (1.0 - 2.0 * _END) * share)):
         sections[i, :, 0] = at
-        sections[i, :, 1:] = divided(section(mesh, at), girth)
+        sections[i, :, 1:] = _divided(section(mesh, at), girth)
     _close_stem(sections, 1e-4 * (high - low))
+    for end, x in ((0, low), (-1, high)):
+        if _is_flat(mesh, sections[end], x):
+            sections[end, :, 0] = x
     coarse = mesh_from_sections(sections, mesh.report)
     old, new = hydrostatics(mesh), hydrostatics(coarse)
     return coarse.with_report(
@@ -51,6 +55,56 @@ def coarsened(mesh: HullMesh, panels: int) -> HullMesh:
         f"{100.0 * (new.volume / old.volume - 1.0):+.2f} %, wetted surface "
         f"{100.0 * (new.S / old.S - 1.0):+.2f} %"
     )
+
+
+def _divided(points: np.ndarray, count: int) -> np.ndarray:
+    """A section (N, 2) as `count` pieces, with a point at each sharp corner.
+
+    Pieces that cut off the square bilge of a barge cost it 1 % of its volume at 200 panels.
+    """
+    girth = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    corners = _corners(points, girth, count - 1)
+    if not corners:
+        return divided(points, count)
+    parts = np.split(np.arange(len(points)), corners)
+    parts = [np.append(part, part[-1] + 1) for part in parts[:-1]] + parts[-1:]
+    length = np.array([girth[part[-1]] - girth[part[0]] for part in parts])
+    shares = np.ones(len(parts), dtype=int)
+    for _ in range(count - len(parts)):  # one more for the part whose pieces are longest
+        shares[np.argmax(length / shares)] += 1
+    made = [divided(points[part], n) for part, n in zip(parts, shares.tolist(), strict=True)]
+    return np.concatenate([made[0], *(part[1:] for part in made[1:])])
+
+
+def _corners(points: np.ndarray, girth: np.ndarray, most: int) -> list[int]:
+    """Points at which a section (N, 2) turns by a corner's angle within a short way, in order."""
+    reach = _REACH * girth[-1]
+    inner = np.nonzero((girth > reach) & (girth < girth[-1] - reach))[0]
+    if len(inner) == 0 or reach == 0.0:
+        return []
+    before, after = (
+        np.stack([np.interp(girth[inner] + way, girth, column) for column in points.T], axis=-1)
+        for way in (-reach, reach)
+    )
+    a, b = points[inner] - before, after - points[inner]
+    turn = np.abs(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))
+    found: list[int] = []
+    for i in np.argsort(-turn, kind="stable"):
+        at = int(inner[i])
+        if turn[i] < _CORNER or len(found) == most:
+            break
+        if all(abs(girth[at] - girth[other]) > 2.0 * reach for other in found):
+            found.append(at)
+    return sorted(found)
+
+
+def _is_flat(mesh: HullMesh, points: np.ndarray, x: float) -> bool:
+    """True if the hull ends at x in a transverse plane as large as its section (G, 3) there."""
+    area = 0.5 * abs(np.sum(points[:-1, 1] * points[1:, 2] - points[1:, 1] * points[:-1, 2]))
+    near = np.abs(mesh.vertices[mesh.panels][..., 0] - x).max(axis=1) < 2.0 * _END * mesh.length
+    across = np.abs(mesh.area_vectors[near, 0])
+    plane = across > 0.99 * mesh.areas[near]
+    return bool(0.5 * across[plane].sum() > 0.9 * area > 0.0)
 
 
 def _close_stem(sections: np.ndarray, tolerance: float) -> None:
@@ -70,7 +124,7 @@ def _check_sides(mesh: HullMesh) -> None:
     if abs(off) > _LOPSIDED * beam:
         raise ConfigError(
             f"hull mesh: the centre of buoyancy lies {off:.4g} m to starboard: put the centre "
-            "plane at y = 0, or keep the panels as they are with panels = None"
+            "plane at y = 0, or keep the panels as they are with --panels own"
         )
 
 
@@ -94,7 +148,7 @@ def section(mesh: HullMesh, x: float) -> np.ndarray:
     if not found:
         raise ConfigError(
             f"hull mesh: the section at x = {x:.4g} m does not reach the centre plane (several "
-            "hulls?): keep the panels as they are with panels = None"
+            "hulls?): keep the panels as they are with --panels own"
         )
     return max(found, key=lambda half: np.linalg.norm(np.diff(half, axis=0), axis=1).sum())
 

@@ -147,6 +147,8 @@ class Plan(Protocol):
         Of one plan, (rows, columns).
     n_draws : int
         Uniform numbers for one.
+
+    A plan may have ``meta``, a dict: further entries of the meta of every recording.
     """
 
     shape: tuple[int, int]

@@ -3,14 +3,19 @@
 ``guidance`` holds kernels and is imported by who needs it, so that this package stays light.
 """
 
-from ship_gym.tracks.files import load_track, save_track
+from ship_gym.tracks.files import load_route, load_track, save_track
 from ship_gym.tracks.generator import n_draws, random_points
+from ship_gym.tracks.route import Leg, Route, Waypoint
 from ship_gym.tracks.shapes import SHAPES, shape_track
 from ship_gym.tracks.track import Track
 
 __all__ = [
     "SHAPES",
+    "Leg",
+    "Route",
     "Track",
+    "Waypoint",
+    "load_route",
     "load_track",
     "n_draws",
     "random_points",

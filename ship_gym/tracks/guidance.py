@@ -15,9 +15,11 @@ import numpy as np
 
 from ship_gym.physics._kernel import kernel
 
+_NEARER = 1.0 - 1e-9  # squares of distances by which another leg is nearer, and not by rounding
+
 
 class OnRoute(NamedTuple):
-    """Where a ship is on a route, all [m].
+    """Where a ship is on a route, in [m].
 
     Attributes
     ----------
@@ -30,12 +32,16 @@ class OnRoute(NamedTuple):
         Along the active leg to its end; negative beyond.
     along_next : float
         From there along the next leg, negative before; 0 on the last leg.
+    nearest : int
+        The leg that `off` is the distance to: -1 the previous, 0 the active, 1 the next. On the
+        outside of a turn, where a way-point is as near on two legs, the active one.
     """
 
     off: float
     cross: float
     to_go: float
     along_next: float
+    nearest: int
 
 
 @kernel
@@ -112,18 +118,21 @@ def on_route(x, y, x_0, y_0, x_a, y_a, x_b, y_b, x_c, y_c):
     before = max(-along, 0.0) if length_0 > 0.0 else 0.0
     beyond = max(along - length, 0.0) if length_1 > 0.0 else 0.0
     square, side = cross * cross + before * before + beyond * beyond, cross
+    nearest, nearer = 0, _NEARER * square
     if length_0 > 0.0:
         past = past_ends(along_0, length_0)
         other = cross_0 * cross_0 + past * past
         if other < square:
             square, side = other, cross_0
+            nearest = -1 if other < nearer else 0
     if length_1 > 0.0:
         past = past_ends(along_1, length_1)
         other = cross_1 * cross_1 + past * past
         if other < square:
             square, side = other, cross_1
+            nearest = 1 if other < nearer else nearest
     off = math.copysign(math.sqrt(square), side)
-    return OnRoute(off, cross, length - along, along_1 if length_1 > 0.0 else 0.0)
+    return OnRoute(off, cross, length - along, along_1 if length_1 > 0.0 else 0.0, nearest)
 
 
 @kernel
@@ -183,6 +192,11 @@ def off_route(points: np.ndarray, legs: np.ndarray, x: np.ndarray, y: np.ndarray
         Positions north and east [m], shape (T,).
     """
     return _voyage(lambda *row: on_route(*row).off, points, legs, x, y)
+
+
+def nearest_leg(points: np.ndarray, legs: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Legs that the distances of `off_route` are to, shape (T,)."""
+    return np.asarray(legs) + _voyage(lambda *row: on_route(*row).nearest, points, legs, x, y)
 
 
 def share_left(points: np.ndarray, leg: int, x: float, y: float) -> float:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_angle, check_number, shown
+from ship_gym.config import ConfigError, check_angle, check_number
 from ship_gym.conventions import wrap_angle
+
+if TYPE_CHECKING:
+    from ship_gym.charts import Chart
+    from ship_gym.tracks.route import Route
 
 SHORTEST_LEG = 1e-3  # [m]; shorter is a way-point given twice
 FARTHEST = 1e9  # [m] from north = east = 0; more is no place on Earth
@@ -25,8 +29,15 @@ class Track:
     points : numpy.ndarray, shape (W, 2)
         North and east [m] of W >= 2 way-points; float64, read-only. Any list that makes such an
         array is accepted. Messages count way-points from 0.
-    origin_deg : tuple of float, optional
-        WGS84 latitude and longitude [deg] of north = east = 0, if the track is from a chart.
+    chart : Chart, optional
+        Where the plane lies on the earth, if the track is from a chart.
+    route : Route, optional
+        What the track was made of; `points` then has more way-points than the route: great circles
+        and planned turns are cut into short legs.
+    limits : numpy.ndarray, shape (W - 1, 2), optional
+        How far the ship may be to port and to starboard of each leg [m]; nan: as the scenario says.
+    leg_of : numpy.ndarray of int, shape (W - 1,), optional
+        Leg of the route, from 0, that each leg of the plane is a part of.
 
     Raises
     ------
@@ -36,14 +47,17 @@ class Track:
     """
 
     points: np.ndarray
-    origin_deg: tuple[float, float] | None = None
+    chart: Chart | None = None
+    route: Route | None = None
+    limits: np.ndarray | None = None
+    leg_of: np.ndarray | None = None
 
     def __post_init__(self):
         points = _array_of(self.points)
         points.setflags(write=False)
         object.__setattr__(self, "points", points)
-        if self.origin_deg is not None:
-            object.__setattr__(self, "origin_deg", checked_origin(self.origin_deg))
+        for name, shape in (("limits", (len(points) - 1, 2)), ("leg_of", (len(points) - 1,))):
+            object.__setattr__(self, name, _array_or_none(name, getattr(self, name), shape))
         for i in np.flatnonzero(~(self.leg_lengths >= SHORTEST_LEG))[:1]:
             raise ConfigError(
                 f"way-point {i + 1} = {points[i + 1].tolist()}: {self.leg_lengths[i]:.3g} m from "
@@ -88,9 +102,11 @@ class Track:
         return float(self.distances[-1])
 
     @property
-    def projection(self) -> str:
-        """How the track came from the chart: a PROJ definition, or ``"none, metres"``."""
-        return "none, metres" if self.origin_deg is None else proj_definition(self.origin_deg)
+    def origin_deg(self) -> tuple[float, float] | None:
+        """Latitude and longitude [deg] of the first way-point, if the track is from a chart."""
+        if self.chart is None:
+            return None
+        return float(self.chart.latitude[0]), float(self.chart.longitude[0])
 
     def check_turns(self, radius: float) -> Track:
         """Return the track if a ship with a turning radius [m] can sail it.
@@ -100,8 +116,12 @@ class Track:
         Raises
         ------
         ConfigError
-            Names the first leg too short for the turns at its ends, with both lengths.
+            Names the first leg too short for the turns at its ends, with both lengths; of a route
+            also the first way-point whose planned radius is smaller.
         """
+        if self.route is not None:
+            self.route.check_turns(radius)
+            return self
         turns = np.concatenate([[0.0], np.abs(self.course_changes), [0.0]])
         need = radius * np.tan(0.5 * turns)
         need = need[:-1] + need[1:]
@@ -118,12 +138,15 @@ class Track:
     def scaled(self, factor: float) -> Track:
         """The same track `factor` times as large, about north = east = 0.
 
-        Makes a track in units of ship length one in metres, or a full-scale one a model's.
+        Makes a track in units of ship length one in metres, or a full-scale one a model's. It has
+        no place on the earth.
         """
-        return Track(self.points * check_number("factor", factor, 1e-9, 1e9))
+        factor = check_number("factor", factor, 1e-9, 1e9)
+        limits = None if self.limits is None else self.limits * factor
+        return Track(self.points * factor, limits=limits)
 
     def moved(self, north: float, east: float, turn: float = 0.0) -> Track:
-        """The track turned about north = east = 0, then shifted.
+        """The track turned about north = east = 0, then shifted; it has no place on the earth.
 
         Parameters
         ----------
@@ -135,31 +158,23 @@ class Track:
         cos, sin = math.cos(check_angle("turn", turn)), math.sin(turn)
         shift = check_number("north", north, unit="m"), check_number("east", east, unit="m")
         x, y = self.points.T
-        return Track(np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1) + shift)
+        points = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1) + shift
+        return Track(points, limits=self.limits)
 
     def to_list(self) -> list[list[float]]:
         """Way-points as plain lists ``[[north, east], ...]`` [m], for TOML or JSON."""
         return self.points.tolist()
 
 
-def proj_definition(origin_deg: tuple[float, float]) -> str:
-    """PROJ definition of the azimuthal equidistant projection about a latitude and longitude."""
-    latitude, longitude = origin_deg
-    return f"+proj=aeqd +lat_0={latitude!r} +lon_0={longitude!r} +datum=WGS84 +units=m"
-
-
-def checked_origin(origin_deg: Any) -> tuple[float, float]:
-    """Latitude and longitude [deg] as floats, or ConfigError."""
-    try:
-        latitude, longitude = origin_deg
-    except (TypeError, ValueError):
-        raise ConfigError(
-            f"origin_deg = {shown(origin_deg)}: must be (latitude, longitude) [deg]"
-        ) from None
-    return (
-        check_number("origin_deg latitude", latitude, -90.0, 90.0, "deg"),
-        check_number("origin_deg longitude", longitude, -180.0, 180.0, "deg"),
-    )
+def _array_or_none(name: str, values: Any, shape: tuple[int, ...]) -> np.ndarray | None:
+    """A read-only copy of one value for each leg, or None."""
+    if values is None:
+        return None
+    array = np.array(values, dtype=np.int64 if name == "leg_of" else np.float64)
+    if array.shape != shape:
+        raise ConfigError(f"track.{name}: shape {array.shape}, must be {shape}")
+    array.setflags(write=False)
+    return array
 
 
 def _array_of(points: Any) -> np.ndarray:

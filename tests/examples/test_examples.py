@@ -16,6 +16,8 @@ NEEDS = {
     "torchrl_env": "torchrl",
     "torchrl_gym": "torchrl",
     "ppo_rllib": "tree",
+    "ppo_skrl": "skrl",
+    "ppo_tianshou": "tianshou",
     "clone_pid": "minari",
 }  # tree: dm-tree
 
@@ -135,6 +137,30 @@ def test_rllib(example):
     judged_metrics(result, "rllib")
 
 
+@pytest.mark.parametrize("name", ["skrl", "tianshou"])
+def test_ppo_of_other_libraries(example, name):
+    options = ["--envs", 8, "--iterations", 2, "--episode", 50, "--judge", 2, "--json"]
+    code, out, err = example(f"ppo_{name}", *options)
+    assert code == 0, err
+    assert json.loads(out)["samples"] == 2 * 64 * 8
+    judged_metrics(json.loads(out), name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["skrl", "tianshou"])
+def test_ppo_of_other_libraries_learns(example, name):
+    """100 iterations come near the PID; these see at least that the ship is steered at all."""
+    code, out, err = example(f"ppo_{name}", "--iterations", 60, "--judge", 8, "--json")
+    assert code == 0, err
+    metrics = judged_metrics(json.loads(out), name)
+    assert metrics["success"][name] > 0.5
+
+
+def test_options_of_ppo_are_checked(example):
+    code, out, err = example("ppo_skrl", "--envs", 1)
+    assert (code, out) == (2, "") and err.startswith("error: envs = 1")
+
+
 @pytest.mark.slow
 def test_torchrl(example):
     code, out, err = example("torchrl_env", "--envs", 4, "--steps", 10, "--json")
@@ -154,7 +180,16 @@ def test_torchrl_over_the_vector_environment(example, mode):
 
 
 @pytest.mark.parametrize(
-    "name", ["ppo_torch", "clone_pid", "ppo_rllib", "torchrl_env", "torchrl_gym"]
+    "name",
+    [
+        "ppo_torch",
+        "clone_pid",
+        "ppo_rllib",
+        "ppo_skrl",
+        "ppo_tianshou",
+        "torchrl_env",
+        "torchrl_gym",
+    ],
 )
 def test_help_has_two_examples(example, name):
     code, out, _ = example(name, "--help")

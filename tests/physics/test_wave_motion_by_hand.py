@@ -41,7 +41,7 @@ def table(drift=(0.0, 0.0, 0.0)):
 def sea(mean=False, **values):
     record = np.zeros(1, SEA_DTYPE)
     record["wavy"], record["wave_share"], record["drift"], record["mean_drift"] = 1, 1.0, 1.0, mean
-    record["speed_step"] = record["speed_max"] = 1.0
+    record["speed_step"] = record["speed_max"] = record["wind_sea"] = 1.0
     for name, value in values.items():
         record[name] = value
     record["wave_north"], record["wave_east"] = np.cos(record["wave_to"]), np.sin(record["wave_to"])
@@ -61,7 +61,8 @@ def waves_of(directions, turns, response, omegas=(OMEGA,)):
             found["of"][0, :, :, g, :, k] = response
     offsets = np.array(directions)
     turns = np.stack([np.cos(offsets), np.sin(offsets)], axis=1)
-    return Waves(components, offsets, turns, groups, found, phases)
+    swell = np.zeros(len(directions), np.bool_)
+    return Waves(components, offsets, turns, groups, swell, found, phases)
 
 
 def loads(

@@ -147,6 +147,7 @@ def surroundings(gusts=None, harmonics=None):
         offsets=np.zeros(0),
         turns=np.zeros((0, 2)),
         groups=np.zeros(1, np.uint64),
+        swell=np.zeros(0, np.bool_),
         response=np.zeros((1, 2, 2, 0), EIGHT_WAVES),
         phases=np.zeros((1, 0)),
     )

@@ -1,23 +1,23 @@
-"""The recipes of the README, run word for word in an empty folder."""
+"""The recipes of docs/own.md, run word for word in an empty folder."""
 
 import re
 from pathlib import Path
 
 import pytest
 
-README = Path(__file__).resolve().parents[2] / "README.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "own.md"
 
 
 @pytest.fixture
 def recipe(tmp_path, monkeypatch):
     """Run the block that begins with ``# title``; gives the names that it leaves."""
     monkeypatch.chdir(tmp_path)
-    blocks = re.findall(r"```python\n(# .*?)```", README.read_text("utf-8"), flags=re.DOTALL)
+    blocks = re.findall(r"```python\n(# .*?)```", PAGE.read_text("utf-8"), flags=re.DOTALL)
 
     def run(title):
         (block,) = (b for b in blocks if b.partition("\n")[0] == f"# {title}")
         names = {}
-        exec(compile(block, f"README.md, {title}", "exec"), names)
+        exec(compile(block, f"own.md, {title}", "exec"), names)
         return names
 
     return run

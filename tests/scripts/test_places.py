@@ -32,14 +32,16 @@ USUAL = {
     "draw": ["errors"],
     "fit-surrogate": ["--family", "gp"],
     "build-wave-table": ["--ship", "kcs_model"],
+    "fmu": [],
 }
 # verbs that print only, or write only where they are told to, or beside what they read
 OTHERS = {
     *("report", "review", "export", "trials", "linearise", "tune", "speed", "warm-up", "list"),
+    "serve",
     "completion",
 }
 # what must stand before --out for it to be looked at, and extensions that depend on it
-BEFORE = {"export": ["ppo_kcs"], "review export": ["none.rrd"]}
+BEFORE = {"export": ["ppo_kcs"], "review export": ["none.rrd"], "route": ["none.rtz"]}
 SUFFIX = {"export": ".onnx", "review export": ".csv", "record": ".rrd"}
 OUT = OutFile | OutFolder | OutRecordings
 

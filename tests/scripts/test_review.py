@@ -119,7 +119,10 @@ def test_completion_knows_the_verbs(monkeypatch, capsys, words, expected):
         (["picture", "a.rrd", "--light", "--painter"], ["--light: is of rerun's viewer"]),
         (["compare", "a.rrd"], ["needs two recordings or more"]),
         (["compare", "a.rrd", "b.rrd", "--out", "c.csv"], ["--out c.csv: allowed is a .rrd file"]),
-        (["export", "a.rrd"], ["--format: which? Allowed are csv, parquet, png, mp4"]),
+        (
+            ["export", "a.rrd"],
+            ["--format: which? Allowed are csv, parquet, png, mp4, gpx, geojson, kml"],
+        ),
         (["export", "a.rrd", "--format", "xls"], ["unknown format 'xls'"]),
         (["export", "a.rrd", "--out", "a.xls"], ["--out a.xls: allowed is a file .csv, .parquet"]),
         (["export", "a.rrd", "--format", "csv", "--out", "a.png"], ["--format says csv"]),
@@ -489,3 +492,41 @@ def test_simulate_says_how_its_recording_is_seen(cli, tmp_path):
     assert code == 0 and out.endswith("\n      ship-gym review show 'a b.rrd'\n"), err
     meta = Trajectory.from_rrd("a b.rrd").meta
     assert meta["units"].keys() == meta["metrics"].keys()
+
+
+@pytest.mark.parametrize("suffix", ["gpx", "geojson", "kml"])
+def test_export_puts_a_track_on_the_earth(cli, folder, suffix):
+    for library in ("pyproj", "gpxpy"):
+        pytest.importorskip(library)
+    run, out = "runs/pid_1000001.rrd", f"a.{suffix}"
+    code, _, err = cli("review", "export", run, "--out", out)
+    assert code == 2 and err.count("\n") == 1
+    assert f"{run}: its" in err and "--origin LAT LON" in err and not Path(out).exists()
+    on_earth = ("--origin", "-33.9", "-71.6")
+    again = ("review", "export", run, "--out", out, *on_earth)
+    assert [cli(*again)[0] for _ in range(2)] == [0, 0]
+    assert "33.9" in Path(out).read_text()
+    code, _, err = cli("review", "export", "runs/pid_1000002.rrd", "--out", out, *on_earth)
+    assert code == 2 and "holds the track of another recording" in err
+    Path(out).write_text("my route")
+    assert "holds no such result" in cli(*again)[2] and cli(*again, "--force")[0] == 0
+    before = Path(out).read_bytes()
+    assert cli(*again, "--start", "2026-05-01T12:00:00Z")[0] == 0
+    assert b"2026-05-01T12:00:00" in Path(out).read_bytes() and before != Path(out).read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        (["--out", "a.gpx", "--origin", "95", "0"], "latitude = 95"),
+        (["--out", "a.gpx", "--origin", "54", "10", "--start", "noon"], "--start 'noon'"),
+        (["--out", "a.gpx", "--origin", "54", "10", "--start", "2026-05-01T12:00"], "its zone"),
+        (["--out", "a.csv", "--origin", "54", "10"], "--origin: of gpx, geojson, kml"),
+        (["--out", "a.png", "--start", "2026-05-01T12:00Z"], "--start: of gpx"),
+    ],
+)
+def test_places_and_times_that_are_none_are_one_line(cli, folder, more, told):
+    pytest.importorskip("pyproj")
+    code, _, err = cli("review", "export", "runs/pid_1000001.rrd", *more)
+    assert code == 2 and told in err and err.count("\n") == 1, err
+    assert not list(folder.parent.glob("a.*"))

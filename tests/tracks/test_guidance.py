@@ -231,7 +231,7 @@ def test_the_last_way_point_is_passed_abeam_and_any_in_a_circle(to_go, cross, ex
 
 
 def test_the_last_leg_has_no_next():
-    assert here(2, 1900.0, 1000.0) == OnRoute(0.0, 0.0, 100.0, 0.0)
+    assert here(2, 1900.0, 1000.0) == OnRoute(0.0, 0.0, 100.0, 0.0, 0)
 
 
 COMPILED = """

@@ -102,11 +102,19 @@ def test_a_factor_must_be_positive(factor):
         Track(POINTS).scaled(factor)
 
 
-def test_bad_origin_and_turn():
-    with pytest.raises(ConfigError, match="latitude"):
-        Track(POINTS, origin_deg=(91.0, 0.0))
-    with pytest.raises(ConfigError, match="latitude, longitude"):
-        Track(POINTS, origin_deg=5.0)
+def test_one_pair_of_limits_for_each_leg():
+    track = Track(POINTS, limits=[[100.0, 200.0]] * (len(POINTS) - 1))
+    assert track.limits.tolist() == [[100.0, 200.0]] * (len(POINTS) - 1)
+    assert not track.limits.flags.writeable and track.origin_deg is None
+    assert track.moved(1.0, 2.0).limits.tolist() == track.limits.tolist()
+    assert track.scaled(0.5).limits.tolist() == [[50.0, 100.0]] * (len(POINTS) - 1)
+    with pytest.raises(ConfigError, match=r"track.limits: shape \(1, 2\)"):
+        Track(POINTS, limits=[[100.0, 200.0]])
+    with pytest.raises(ConfigError, match=r"track\.leg_of"):
+        Track(POINTS, leg_of=[0] * len(POINTS))
+
+
+def test_bad_turn():
     with pytest.raises(ConfigError, match="degrees"):
         Track(POINTS).moved(0.0, 0.0, 90.0)
 

@@ -110,9 +110,9 @@ def seed(text: str, default: int | None = 0, largest: int = SEEDS):
     return click.option("--seed", type=whole(0, largest), default=default, help=text)
 
 
-def out(suffix: str, text: str, name: str = "--out", default: str | None = None):
-    """An option for a file to write."""
-    return click.option(name, type=OutFile(suffix), default=default, help=text)
+def out(suffix: str, text: str, name: str = "--out", default: str | None = None, more=()):
+    """An option for a file to write; `more` extensions are allowed, too."""
+    return click.option(name, type=OutFile(suffix, *more), default=default, help=text)
 
 
 def report():

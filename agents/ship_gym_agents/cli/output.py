@@ -29,6 +29,8 @@ _EXTRAS = {
     "stable_baselines3": ("rl", "training"),
     "torch": ("rl", "training"),
     "onnx": ("onnx", "ONNX files"),
+    "pythonfmu": ("fmu", "FMUs"),
+    "pythonfmu3": ("fmu", "FMUs of FMI 3.0"),
     "minari": ("minari", "data sets"),
 }
 

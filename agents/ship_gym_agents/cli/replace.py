@@ -142,6 +142,11 @@ def history(meta: Mapping[str, Any]) -> Result:
     return Result("a time history", ["history", meta.get("task"), ship, config, meta.get("seed")])
 
 
+def voyage(mark: str) -> Result:
+    """A sailed track on the earth, by what ``recording.earth_files`` says of its record."""
+    return Result(f"the track of this recording ({mark.split()[-1]})", ["voyage", mark])
+
+
 def comparison(sources: Sequence[Mapping[str, Any]]) -> Result:
     """A comparison of recordings, by what ``comparison_card.sources`` says of them."""
     names = ", ".join(str(one.get("name")) for one in sources)
@@ -166,6 +171,11 @@ def trials(ships: Iterable[str]) -> Result:
     """Computed values of the trials of ships."""
     ships = sorted(set(ships))
     return Result(f"values of the trials of {', '.join(ships)}", ["trials", ships])
+
+
+def fmu(ship: str) -> Result:
+    """A ship as a unit of co-simulation; what its parameters start with does not matter."""
+    return Result(f"an FMU of {ship}", ["fmu", ship])
 
 
 def page(verb: str) -> Result:

@@ -13,10 +13,12 @@ from ship_gym_agents.cli.replace import (
     bound,
     comparison,
     evaluation,
+    fmu,
     gains,
     history,
     page,
     policy,
+    route,
     surrogate,
     trials,
     wave_table,
@@ -77,6 +79,12 @@ def _recording_in(path: Path) -> Result:
         return comparison(read_comparison(path)["sources"])
 
 
+def _fmu_in(path: Path) -> Result:
+    from ship_gym.cosim.write import ship_in
+
+    return fmu(ship_in(path))
+
+
 def _parquet_in(path: Path) -> Result:
     from ship_gym.evaluation.trajectory_table import read_meta
 
@@ -115,6 +123,12 @@ def _json_in(path: Path) -> Result:
     return evaluation(found["scenario"], found["ship"], found["seeds"], found["controllers"])
 
 
+def _route_in(path: Path) -> Result:
+    from ship_gym.tracks import load_route
+
+    return route(load_route(path).to_meta())
+
+
 def _markdown_in(path: Path) -> Result | None:
     from ship_gym.reading import read_text
 
@@ -129,6 +143,14 @@ def _html_in(path: Path) -> Result | None:
     return page("report") if GENERATOR in read_text(path)[:1000] else None
 
 
+def _voyage_in(path: Path) -> Result | None:
+    from ship_gym.reading import read_text
+    from ship_gym.recording.earth_files import MARK
+
+    found = re.search(MARK + r" [0-9a-f]{16}", read_text(path))
+    return Result("the track of another recording", ["voyage", found[0]]) if found else None
+
+
 _READERS: dict[str, Callable[[Path], Result | None]] = {
     ".safetensors": _policy_in,
     ".onnx": _onnx_in,
@@ -138,6 +160,10 @@ _READERS: dict[str, Callable[[Path], Result | None]] = {
     ".parquet": _parquet_in,
     ".csv": _csv_in,
     ".json": _json_in,
+    ".rtz": _route_in,
+    ".gpx": _route_in,
+    ".geojson": _route_in,
     ".md": _markdown_in,
     ".html": _html_in,
+    ".fmu": _fmu_in,
 }

@@ -66,27 +66,28 @@ class OutFile(click.ParamType):
 
     Parameters
     ----------
-    suffix : str
-        Extension with its dot.
+    suffixes : str
+        Extensions with their dot, one or several.
     """
 
     name = "file"
 
-    def __init__(self, suffix: str):
-        self.suffix = suffix
+    def __init__(self, *suffixes: str):
+        self.suffix, self.suffixes = suffixes[0], suffixes
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path of a text."""
         path, option = Path(value), param.opts[0] if param else "file"
         if isinstance(value, Path) or _alone(value, param, ctx):  # Path: a default
             return path
-        if path.suffix.lower() != self.suffix:
-            raise click.UsageError(f"{option} {path}: allowed is a {self.suffix} file", ctx)
+        if path.suffix.lower() not in self.suffixes:
+            known = " or ".join(self.suffixes)
+            raise click.UsageError(f"{option} {path}: allowed is a {known} file", ctx)
         return _tried(path, option, ctx)
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
         """How the help shows it."""
-        return f"FILE{self.suffix}"
+        return f"FILE{'|'.join(self.suffixes)}"
 
     def shell_complete(self, ctx, param, incomplete: str) -> list[CompletionItem]:
         """Files of the shell."""

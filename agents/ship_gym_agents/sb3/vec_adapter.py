@@ -39,6 +39,9 @@ class ShipVecEnv(VecEnv):
         sees n starts and the next n steady voyages.
     ship, control, surrogate, scenario, privileged, overrides, parallel, max_episode_steps
         As in ``ShipVectorEnv``; the autoreset mode is given by stable-baselines3.
+    render_mode : str, optional
+        ``"rgb_array"``: `render` gives one picture with those of all ships in rows, as
+        ``VecVideoRecorder`` of stable-baselines3 takes it.
     """
 
     def __init__(
@@ -53,6 +56,7 @@ class ShipVecEnv(VecEnv):
         overrides: Mapping[str, Any] | None = None,
         parallel: bool | None = None,
         max_episode_steps: int | None = None,
+        render_mode: str | None = None,
     ):
         self.env = ShipVectorEnv(
             num_envs,
@@ -62,12 +66,14 @@ class ShipVecEnv(VecEnv):
             scenario,
             privileged,
             overrides,
+            render_mode,
             autoreset_mode="SameStep",
             parallel=parallel,
             max_episode_steps=max_episode_steps,
         )
         self.stagger = stagger
         super().__init__(num_envs, self.env.single_observation_space, self.env.single_action_space)
+        self.metadata["render_fps"] = self.env.metadata["render_fps"]
         self._actions = np.zeros((num_envs, *self.action_space.shape), dtype=np.float32)
         self._returns = np.zeros(num_envs)
         self._lengths = np.zeros(num_envs, dtype=np.int64)
@@ -158,12 +164,12 @@ class ShipVecEnv(VecEnv):
         """
         return [wrapper_class is Monitor for _ in self._get_indices(indices)]
 
-    def get_images(self):
-        """No pictures; recordings are the way to look at a rollout."""
-        return [None] * self.num_envs
+    def get_images(self) -> list[np.ndarray | None]:
+        """Picture of each ship, uint8 (height, width, 3); without a render mode None for each.
 
-    def render(self, mode: str | None = None) -> None:
-        """Draw nothing."""
+        An episode that ended in the last step shows the start of the next.
+        """
+        return list(self.env.render()) if self.render_mode else [None] * self.num_envs
 
     def _demand_all(self, indices, what: str) -> None:
         if sorted(set(self._get_indices(indices))) != list(range(self.num_envs)):

@@ -211,7 +211,7 @@ class Economy(Residuals):
         return late
 
     def _route(self, i: int) -> np.ndarray:
-        return self._batch.plans[i, : int(self._batch.tasks["count"][i])]
+        return self._batch.plans[i, : int(self._batch.tasks["count"][i]), :2]
 
     def _worst(self) -> tuple[float, ...]:
         return 2.0, 0.0  # of an episode that has left the route: four times the power

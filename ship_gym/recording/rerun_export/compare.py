@@ -121,7 +121,7 @@ def _send_picture(out: Output, runs: Sequence[Run]) -> None:
     length = _length(runs)
     low, high = _log_chart(out, runs, length)
     above = _log_sea(out, runs[0], _tracks(runs), length)
-    log_route(out, runs[0].trajectory, above)
+    log_route(out, runs[0].trajectory, above, length)
     for number, run in enumerate(runs):
         _log_run(out, run, number, length, above)
     found, less = panels(runs)

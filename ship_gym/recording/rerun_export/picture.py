@@ -20,14 +20,17 @@ from ship_gym.recording.rerun_export.blueprint import (
     text_views,
     whole,
 )
+from ship_gym.recording.rerun_export.earth_map import send_map
 from ship_gym.recording.rerun_export.log import Output, log, log_style
 from ship_gym.recording.rerun_export.plots import marked_line, send_panels, with_near_limits
 from ship_gym.recording.rerun_export.rows import changes, send_chosen, shown_rows, slow_rows
 from ship_gym.recording.rerun_export.water import send_water
+from ship_gym.recording.route import corridor_lines, corridor_of, legs_near
 from ship_gym.recording.trajectory import Trajectory
 from ship_gym.recording.wave_grid import wave_grid
 
 _TRACK, _GRID, _TICK = (240, 240, 235), (62, 78, 96), (255, 255, 255)
+_CORRIDOR = (86, 130, 190)
 _WHITE, _BRONZE, _STEEL = (226, 226, 220), (206, 160, 80), (120, 128, 138)
 _FINE = 256.0  # turns of the hull, the rudder and the propeller are in parts of this
 
@@ -48,7 +51,9 @@ def send_picture(out: Output, trajectory: Trajectory) -> None:
         _log_scene(out, trajectory, points, ship, length, often, seldom)
         corners = _log_plan(out, trajectory, points, ship, length, seldom)
         row, title = (-1, "Ship") if live else (0, _title(trajectory, length))
-        pages = rrb.Tabs(plan_view(*corners), *text_views(), active_tab=0)
+        earth = send_map(out, trajectory, length, seldom)
+        maps = [] if earth is None else [earth]
+        pages = rrb.Tabs(plan_view(*corners), *text_views(), *maps, active_tab=0)
         views = [scene_view(columns, length, row, title), pages]
     send_panels(out, t, often, seldom, panels)
     if out.fixed:
@@ -92,7 +97,7 @@ def _log_scene(out, trajectory: Trajectory, points, ship, length, often, seldom)
     if out.fixed:
         log(out, "world", rr.ViewCoordinates.FRD)  # x north, y east, z down: right-handed
         log_compass(out, length, above)
-        log_route(out, trajectory, above)
+        log_route(out, trajectory, above, length)
     send_water(out, grid, t, points, often)
     places, turns = scene.pose(columns)
     send_pose(out, "world/ship", t, often, places, turns)
@@ -142,14 +147,30 @@ def _log_wake(out, trajectory: Trajectory, points: np.ndarray, above, chosen) ->
     _send_pieces(out, "world/wake", trajectory["t"], rows, pieces, rr.LineStrips3D)
 
 
-def log_route(out: Output, trajectory: Trajectory, above: np.ndarray) -> None:
-    """Log the way-points of a track, if there are any: in the plan, and just above the sea."""
-    if trajectory.meta.get("waypoints"):
-        route = np.array(trajectory.meta["waypoints"], dtype=float)
-        flat = plan.to_plan(route)
-        log(out, "plan/route", rr.LineStrips2D([flat], colors=_BRONZE, radii=-0.7))
-        route = np.column_stack([route[:, 0], route[:, 1], np.full(len(route), above[2])])
-        log(out, "world/route", rr.LineStrips3D([route], colors=_BRONZE, radii=-1.0))
+def log_route(out: Output, trajectory: Trajectory, above: np.ndarray, length: float) -> None:
+    """Log the legs of a track near the ship, and its corridor: in the plan, and just above the sea.
+
+    Nothing without way-points.
+    """
+    if not trajectory.meta.get("waypoints"):
+        return
+    waypoints = np.array(trajectory.meta["waypoints"], dtype=float)
+    legs = legs_near(waypoints, scene.positions(trajectory.columns)[:, :2], length)
+    if not len(legs.number):
+        return
+    _log_flat(out, "route", list(np.stack([legs.start, legs.end], axis=1)), _BRONZE, above, -1.0)
+    corridor = corridor_of(trajectory.meta, legs)
+    if corridor is not None:
+        lines = [line for _, line in corridor_lines(legs, corridor)]
+        _log_flat(out, "corridor", lines, _CORRIDOR, above, -0.6)
+
+
+def _log_flat(out: Output, name: str, lines, color, above: np.ndarray, radius: float) -> None:
+    """Log lines (2, 2) north and east [m] in the plan and above the sea."""
+    flat = [plan.to_plan(line) for line in lines]
+    log(out, f"plan/{name}", rr.LineStrips2D(flat, colors=color, radii=0.7 * radius))
+    high = [np.column_stack([line, np.full(len(line), above[2])]) for line in lines]
+    log(out, f"world/{name}", rr.LineStrips3D(high, colors=color, radii=radius))
 
 
 def _send_pieces(out: Output, path: str, t, rows, pieces, archetype) -> None:

@@ -25,6 +25,7 @@ OUTCOMES = (
 )
 AT_THE_END = (OUTCOMES[STRAYED - 2].name, OUTCOMES[ARRIVED - 2].name)  # of a voyage sailed to it
 OUTSIDE, KEPT, LEFT = 0, 1, 2  # corridor: not within it since the start, within ever since, left
+PORT, STARBOARD = 2, 3  # columns of a plan whose legs have limits of their own [m]
 LARGEST_CIRCLE = 0.25  # circle of acceptance over the shorter of the legs that meet in it
 # behind those of the bridge; psi_e there is heading - bearing of the active leg
 OBSERVATIONS = (
@@ -144,7 +145,7 @@ def observe_track(seen, state, task, row):
 
 @kernel
 def sail_leg(task, plan, k):
-    """Make leg k of the way-points (points, 2) north and east [m] the active one."""
+    """Make leg k of the way-points (points, 2 or more), north and east [m] first, the active."""
     last = task.count - 1
     before, after = max(k - 1, 0), min(k + 2, last)
     task.active = k
@@ -187,15 +188,52 @@ def off_route(state, task):
 
 
 @kernel
-def outcome_of(off, cross, at_end, task):
+def corridor_beside(task, plan, leg, aside):
+    """Corridor [m] of a leg on the side of a distance from it, positive to starboard.
+
+    Legs without a limit of their own have the scenario's in the plan.
+    """
+    if plan.shape[1] <= STARBOARD:
+        return task.corridor
+    return plan[leg, STARBOARD] if aside > 0.0 else plan[leg, PORT]
+
+
+@kernel
+def limit_beside(task, corridor):
+    """Distance [m] that ends the episode where the corridor is so wide.
+
+    To the corridor as the scenario has them; so a leg with the scenario's has its very number.
+    """
+    return task.cross_limit * (corridor / task.corridor)
+
+
+@kernel
+def outcome_of(here, at_end, task, plan):
     """Outcome of an interval, from the distance to the route and that across the last leg [m]."""
-    if abs(off) > task.cross_limit:
+    corridor = corridor_beside(task, plan, task.active + here.nearest, here.off)
+    if abs(here.off) > limit_beside(task, corridor):
         return TRACK_LIMIT
     if not at_end:
         return RUNNING
-    if abs(cross) > task.corridor:
+    if abs(here.cross) > corridor_beside(task, plan, task.active, here.cross):
         return MISSED
     return ARRIVED if task.kept == KEPT else STRAYED
+
+
+@kernel
+def sail_on(state, task, plan):
+    """Begin the next leg, and those after it that are passed already and shorter than the ship.
+
+    A planned turn is cut into legs that a ship passes several of in an interval.
+    """
+    sail_leg(task, plan, task.active + 1)
+    while task.active + 2 < task.count:
+        here = where(state, task)
+        dx, dy = task.x_b - task.x_a, task.y_b - task.y_a
+        short = dx * dx + dy * dy < task.L * task.L
+        if not short or passed(here.to_go, here.along_next, here.cross, task.circle) == 0:
+            break
+        sail_leg(task, plan, task.active + 1)
 
 
 @kernel
@@ -208,18 +246,18 @@ def judge(state, before, sea, task, plan, terms, result):
     here = where(state, task)
     reached = passed(here.to_go, here.along_next, here.cross, task.circle) == 1
     last = task.active + 2 >= task.count
-    if abs(here.off) > task.corridor:
+    if abs(here.off) > corridor_beside(task, plan, task.active + here.nearest, here.off):
         task.kept = LEFT if task.kept == KEPT else task.kept
     elif task.kept == OUTSIDE:
         task.kept = KEPT
-    outcome = outcome_of(here.off, here.cross, reached and last, task)
+    outcome = outcome_of(here, reached and last, task, plan)
     error = here.off / task.L
     own = TrackTerms(cross_track=-task.interval * task.cross_track * error * error)
     failed = outcome == TRACK_LIMIT or outcome == MISSED
     paid = costs(state, before, sea, task, failed)
     settle(result, terms, here.off, own, paid, outcome, task)
     if reached and not last:
-        sail_leg(task, plan, task.active + 1)
+        sail_on(state, task, plan)
         result.error = off_route(state, task)
 
 

@@ -11,21 +11,22 @@ from ship_gym.simulation import through_water
 from ship_gym.tasks.base import Metric
 from ship_gym.tasks.measures import delivered_energy, rms, sailed_time, to_the_end
 from ship_gym.tasks.track.kernels import AT_THE_END
-from ship_gym.tracks.guidance import cross_track, off_route, share_left
+from ship_gym.tracks.guidance import cross_track, nearest_leg, off_route, share_left
 
 METRICS: dict[str, Metric] = {
     "rms_route": Metric(
         "L",
         "root mean square of the distance to the route, the nearest of the previous, the active "
         "and the next leg; of one whose time is up before the end: the share of the route that is "
-        "left counts with the distance that ends an episode, so that loitering never pays",
+        "left counts with the distance that ends an episode, the largest of the legs', so that "
+        "loitering never pays",
         "lower",
     ),
     "max_route": Metric("L", "largest distance to the route, start included", "lower"),
     "corridor": Metric(
         "-",
-        "share of the intervals within the corridor, from the first within it on; of what a "
-        "failure left unsailed: outside",
+        "share of the intervals within the corridor, of the leg and side where the ship is, from "
+        "the first within it on; of what a failure left unsailed: outside",
         "higher",
     ),
     "rms_cross_track": Metric(
@@ -56,17 +57,17 @@ def measure(trajectory: Trajectory) -> dict[str, float]:
         trajectory["y"][1:],
     )
     off, cross = off_route(*voyage) / L, cross_track(*voyage) / L
+    limit = limits["cross_track"] * _widest(trajectory)
     start = abs(trajectory["cross_track_error"][0]) / L  # on the first leg that is both
     at_end = meta["outcome"] in AT_THE_END
     left = 0.0 if at_end or meta["failed"] else share_left(voyage[0], *(z[-1] for z in voyage[1:]))
-    judged = rms(to_the_end(trajectory, off, limits["cross_track"]))
+    within = np.abs(off) <= _corridor(trajectory, voyage)
+    judged = rms(to_the_end(trajectory, off, limit))
     return {
-        "rms_route": math.hypot(
-            math.sqrt(1.0 - left) * judged, math.sqrt(left) * limits["cross_track"]
-        ),
+        "rms_route": math.hypot(math.sqrt(1.0 - left) * judged, math.sqrt(left) * limit),
         "max_route": float(max(np.abs(off).max(), start)),
-        "corridor": _kept(to_the_end(trajectory, off, math.inf), limits["corridor"]),
-        "rms_cross_track": rms(to_the_end(trajectory, cross, limits["cross_track"])),
+        "corridor": _kept(to_the_end(trajectory, within, 0.0)),
+        "rms_cross_track": rms(to_the_end(trajectory, cross, limit)),
         "max_cross_track": float(max(np.abs(cross).max(), start)),
         "voyage_time": float(sailed_time(trajectory) if at_end else meta["config"]["duration"]),
         "voyage_energy": _voyage_energy(trajectory, at_end),
@@ -89,8 +90,28 @@ def _voyage_energy(trajectory: Trajectory, arrived: bool) -> float:
     return work / 3.6e6
 
 
-def _kept(off: np.ndarray, corridor: float) -> float:
-    """Share of the distances within the corridor, from the first of them on; 0 if none is."""
-    within = np.abs(off) <= corridor
+def _kept(within: np.ndarray) -> float:
+    """Share of the intervals within the corridor, from the first of them on; 0 if none is."""
+    within = within.astype(bool)
     first = int(np.argmax(within))
     return float(within[first:].mean()) if within[first] else 0.0
+
+
+def _corridor(trajectory: Trajectory, voyage: tuple[np.ndarray, ...]) -> float | np.ndarray:
+    """Corridor [L] at the end of each interval: of the nearest leg, on the side of the ship."""
+    meta = trajectory.meta
+    if "leg_limits" not in meta:
+        return meta["config"]["limits"]["corridor"]
+    beside = np.array(meta["leg_limits"])[nearest_leg(*voyage).astype(int)]
+    side = (off_route(*voyage) > 0.0).astype(int)  # port, starboard
+    return beside[np.arange(len(side)), side] / meta["ship"]["L"]
+
+
+def _widest(trajectory: Trajectory) -> float:
+    """Widest corridor of the legs by that of the scenario; 1 where legs have none of their own."""
+    meta = trajectory.meta
+    if "leg_limits" not in meta:
+        return 1.0
+    return float(np.max(meta["leg_limits"])) / (
+        meta["config"]["limits"]["corridor"] * meta["ship"]["L"]
+    )

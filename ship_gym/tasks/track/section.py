@@ -39,7 +39,11 @@ class TrackRange:
         North and east of the way-points [m], for ``kind = "points"``; in metres of the ship that
         sails, model or not.
     file : str
-        Or a GeoJSON file with them.
+        Or a file with them: a route (RTZ, GPX) or GeoJSON, see ``tracks.files``. Cross-track limits
+        of its legs are the corridor there.
+    geometry : str
+        How the legs of a file are meant that does not say so: ``loxodrome`` or ``orthodrome``; "":
+        as the format has it.
     """
 
     PATHS: ClassVar = ("file",)  # keys that a scenario file gives from its own folder
@@ -55,6 +59,7 @@ class TrackRange:
     look_ahead: float = 3.0
     points: tuple[tuple[float, ...], ...] = ()
     file: str = ""
+    geometry: str = ""
 
     def __post_init__(self):
         check_known("kind of track", self.kind, ("random", "points", *SHAPES))
@@ -70,6 +75,9 @@ class TrackRange:
         check_fields("track", self, ranges)
         if self.leg_min <= MARGIN:
             raise ConfigError(f"track.leg_min = {self.leg_min}: allowed is above {MARGIN:g} [L]")
+        check_known("track.geometry", self.geometry, ("", "loxodrome", "orthodrome"))
+        if self.geometry and not self.file:
+            raise ConfigError(f"track.geometry = {shown(self.geometry)}: only of a track.file")
         given = bool(self.points) + bool(self.file)
         if given != (self.kind == "points"):
             raise ConfigError(
@@ -107,6 +115,8 @@ class Limits:
         Distance from the route, the nearest of the previous, the active and the next leg [L].
     corridor : float
         The same, but leaving it only costs the success; passing the end outside it is failing [L].
+        Where a leg of the track has a limit of its own to port or to starboard, that is the
+        corridor on its side, and the episode ends at ``cross_track / corridor`` times it.
     """
 
     cross_track: float = 5.0

@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym.conventions import wrap_angle
+from ship_gym.conventions import X, Y, wrap_angle
 from ship_gym.tasks.base import ErrorColumn, Moment, Plot, Task
 from ship_gym.tasks.track import NAME, VERSION, kernels
+from ship_gym.tasks.track.kernels import PORT, STARBOARD
 from ship_gym.tasks.track.metrics import METRICS, measure
 from ship_gym.tasks.track.plan import Tracks
 from ship_gym.tasks.track.section import Limits, Start, TrackRange
-from ship_gym.tracks.guidance import cross_track, off_route
+from ship_gym.tracks.guidance import cross_track, nearest_leg, off_route
 
 
 def fill(scenario, tasks) -> None:
@@ -41,32 +42,49 @@ def info(episodes) -> dict[str, np.ndarray]:
 def columns(recorded, history, plan) -> dict[str, np.ndarray]:
     """Bearing of the active leg, its number and the errors of a recording."""
     psi, leg = history["psi_ordered"], history["active"]
-    voyage = plan, leg.astype(int), recorded["x"], recorded["y"]
-    return {
+    voyage = plan[:, :2], leg.astype(int), recorded["x"], recorded["y"]
+    found = {
         "psi_ordered": psi,
         "psi_error": wrap_angle(recorded["psi"] - psi),
         "leg": leg,
         "cross_track_error": cross_track(*voyage),
         "off_route": off_route(*voyage),
     }
+    if plan.shape[1] > STARBOARD:
+        beside = plan[nearest_leg(*voyage).astype(int)]
+        found |= {"corridor_port": beside[:, PORT], "corridor_starboard": beside[:, STARBOARD]}
+    return found
 
 
 def meta(plan) -> dict:
-    """Way-points north, east [m]."""
-    return {"waypoints": plan.tolist()}
+    """Way-points north, east [m]; corridor of each leg to port and to starboard, if of its own."""
+    found = {"waypoints": plan[:, :2].tolist()}
+    if plan.shape[1] > STARBOARD:
+        found["leg_limits"] = plan[:-1, PORT:].tolist()
+    return found
 
 
 def scene(episodes, i) -> dict:
     """Track, active leg, limit and corridor for a picture."""
     task = episodes.tasks[i]
-    return {
+    leg, off, plan = int(task["active"]), float(episodes.errors[i]), episodes.plans[i]
+    found = {
         "psi_ordered": float(task["psi_ordered"]),
-        "track": episodes.plans[i].copy(),
-        "active_leg": int(task["active"]),
-        "cross_track": float(episodes.errors[i]),
+        "track": plan[:, :2].copy(),
+        "active_leg": leg,
+        "cross_track": off,
         "cross_track_limit": float(task["cross_limit"]),
         "corridor": float(task["corridor"]),
     }
+    if plan.shape[1] > STARBOARD:
+        x, y = episodes.sim.state[i : i + 1, [X, Y]].T
+        near = int(nearest_leg(plan[:, :2], np.array([leg]), x, y)[0])
+        beside = float(plan[near, STARBOARD if off > 0.0 else PORT])
+        found["cross_track_limit"] *= beside / found["corridor"]
+        found |= {"corridor": beside, "leg_limits": plan[:-1, PORT:].copy()}
+    if "leg_of" in episodes.given:
+        found["leg_of"] = np.array(episodes.given["leg_of"])
+    return found
 
 
 def limits(scenario, ship) -> dict[str, float]:

@@ -210,13 +210,42 @@ def test_wrappers_see_native_and_scalars_alike(wrap):
         np.testing.assert_array_equal(one, other)
 
 
-def test_vec_video_recorder_writes_a_video(tmp_path):
-    pytest.importorskip("moviepy", reason="extra 'render' not installed")
-    env = DummyVecEnv([lambda: gym.make(HEADING, render_mode="rgb_array", overrides=SHORT)])
+def scalars_with_pictures(n):
+    make = functools.partial(gym.make, HEADING, render_mode="rgb_array", overrides=SHORT)
+    return DummyVecEnv([make] * n)
+
+
+def test_pictures_are_those_of_scalars():
+    """Also in the step that ends an episode: both show the start of the next."""
+    pytest.importorskip("PIL", reason="extra 'render' not installed")
+    ours, theirs = ShipVecEnv(2, overrides=SHORT, render_mode="rgb_array"), scalars_with_pictures(2)
+    for env in (ours, theirs):
+        env.seed(3)
+        env.reset()
+    assert ours.render_mode == "rgb_array" and ours.metadata["render_fps"] == 10
+    ended = False
+    for _ in range(11):
+        _, _, dones, _ = ours.step(np.ones((2, 1), np.float32))
+        theirs.step(np.ones((2, 1), np.float32))
+        np.testing.assert_array_equal(ours.render(), theirs.render())
+        ended |= dones.all()
+    assert ended
+
+
+@pytest.mark.parametrize("wrap", [lambda env: env, VecNormalize])
+@pytest.mark.parametrize("native", [True, False])
+def test_vec_video_recorder_writes_a_video(native, wrap, tmp_path):
+    moviepy = pytest.importorskip("moviepy", reason="extra 'render' not installed")
+    shown = {"overrides": SHORT, "render_mode": "rgb_array"}
+    env = wrap(ShipVecEnv(2, **shown) if native else scalars_with_pictures(2))
     env = VecVideoRecorder(env, str(tmp_path), lambda step: step == 0, video_length=3)
     env.reset()
     for _ in range(4):
-        env.step(np.ones((1, 1), np.float32))
+        env.step(np.ones((2, 1), np.float32))
+    height, width, _ = env.render().shape
     env.close()
     (path,) = tmp_path.glob("*.mp4")
-    assert path.stat().st_size > 1000
+    with moviepy.VideoFileClip(str(path)) as clip:
+        frames = list(clip.iter_frames())
+        assert (len(frames), clip.fps, tuple(clip.size)) == (4, 10, (width, height))
+    assert all(np.ptp(ship) > 100 for ship in np.split(frames[0], 2))  # neither is blank

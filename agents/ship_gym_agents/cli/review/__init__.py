@@ -15,7 +15,7 @@ VERBS = {
     "show": "Show recordings in rerun's viewer, in a window or in a browser.",
     "picture": "Draw a recording at its worst moment, at a time, or as a strip.",
     "compare": "Compare runs: metrics side by side, and one recording with all of them.",
-    "export": "Write recordings as csv, parquet, png or mp4.",
+    "export": "Write recordings as csv, parquet, png, mp4, gpx, geojson or kml.",
     "metrics": "Print the metrics of recordings side by side, computed from the files.",
 }
 

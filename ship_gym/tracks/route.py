@@ -1,0 +1,307 @@
+"""`Route`: way-points on the earth, how the legs between them run, and the plane to sail it in.
+
+A planned radius makes a turn an arc that touches both legs; great circles and arcs become short
+rhumb lines, since every leg of the plane is one.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ship_gym.charts import Chart, geodesy
+from ship_gym.config import ConfigError, build, check_known, check_number, shown
+from ship_gym.conventions import wrap_angle
+from ship_gym.tracks.arcs import SHORTEST_ARC, arc_places
+from ship_gym.tracks.track import SHARPEST_TURN, SHORTEST_LEG, Track
+
+GEOMETRIES = ("loxodrome", "orthodrome")
+LARGEST_COUNT = 20_000  # way-points of a route
+MOST_LEGS = 100_000  # of the plane
+SHARPEST = math.radians(175.0)  # a planned turn; beyond it the leg is sailed back
+_LONGEST_NAME = 1000  # characters
+_NO_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_PLACES = 12  # decimals of a degree of a wrapped longitude: what 360 added may have lost
+_FARTHEST_ASIDE = 1e6  # [m]
+_FASTEST = 100.0  # [m/s]
+
+
+def check_count(count: int) -> None:
+    """Refuse more way-points than a track or a route may have."""
+    if count > LARGEST_COUNT:
+        raise ConfigError(f"track: {count} way-points; at most {LARGEST_COUNT} are allowed")
+
+
+@dataclasses.dataclass(frozen=True)
+class Waypoint:
+    """A place to turn at.
+
+    Attributes
+    ----------
+    latitude, longitude : float
+        WGS84 [deg]; a longitude beyond 180 is taken round the earth to within [-180, 180).
+    name : str
+    radius : float, optional
+        Planned turn [m]; None or 0: a corner. Of the first and the last way-point it says nothing.
+    id : int, optional
+        Number in an RTZ file.
+    """
+
+    latitude: float
+    longitude: float
+    name: str = ""
+    radius: float | None = None
+    id: int | None = None
+
+    def __post_init__(self):
+        object.__setattr__(self, "name", _checked_name(self.name))
+        top = geodesy.HIGHEST
+        check_number("latitude", self.latitude, -top, top, "deg", tiny=True)
+        longitude = check_number("longitude", self.longitude, -540.0, 540.0, "deg", tiny=True)
+        if not -180.0 <= longitude < 180.0:
+            longitude = round(float(geodesy.wrap_longitude(longitude)), _PLACES)
+        object.__setattr__(self, "longitude", longitude)
+        if self.radius is not None:
+            check_number("radius", self.radius, 0.0, _FARTHEST_ASIDE, "m")
+        if self.id is not None:
+            check_number("id", self.id, 0)
+
+
+@dataclasses.dataclass(frozen=True)
+class Leg:
+    """From one way-point to the next.
+
+    Attributes
+    ----------
+    geometry : str
+        ``"loxodrome"`` (rhumb line) or ``"orthodrome"`` (great circle, on the ellipsoid).
+    port, starboard : float, optional
+        Limits of the cross-track distance to either side [m]; 0, too, is none.
+    speed_min, speed_max : float, optional
+        Planned speeds [m/s].
+    """
+
+    geometry: str = "loxodrome"
+    port: float | None = None
+    starboard: float | None = None
+    speed_min: float | None = None
+    speed_max: float | None = None
+
+    def __post_init__(self):
+        check_known("geometry", self.geometry, GEOMETRIES)
+        for name in ("port", "starboard"):
+            if (value := getattr(self, name)) is not None:
+                check_number(name, value, 0.0, _FARTHEST_ASIDE, "m")
+        for name in ("speed_min", "speed_max"):
+            if (value := getattr(self, name)) is not None:
+                check_number(name, value, 0.0, _FASTEST, "m/s")
+
+
+@dataclasses.dataclass(frozen=True)
+class Route:
+    """Way-points and the legs between them.
+
+    Attributes
+    ----------
+    name : str
+    waypoints : tuple of Waypoint
+        At least two.
+    legs : tuple of Leg
+        Leg k leads from way-point k to k + 1; empty: rhumb lines without limits.
+
+    Raises
+    ------
+    ConfigError
+        Too few or too many way-points, not one leg fewer than those.
+    """
+
+    name: str
+    waypoints: tuple[Waypoint, ...]
+    legs: tuple[Leg, ...] = ()
+
+    def __post_init__(self):
+        object.__setattr__(self, "name", _checked_name(self.name))
+        waypoints, legs = tuple(self.waypoints), tuple(self.legs)
+        check_count(len(waypoints))
+        if len(waypoints) < 2:
+            raise ConfigError(f"route: {len(waypoints)} way-point; a route needs at least 2")
+        legs = legs or (Leg(),) * (len(waypoints) - 1)
+        if len(legs) != len(waypoints) - 1:
+            raise ConfigError(
+                f"route: {len(legs)} legs for {len(waypoints)} way-points; must be one fewer"
+            )
+        object.__setattr__(self, "waypoints", waypoints)
+        object.__setattr__(self, "legs", legs)
+
+    def label(self, i: int) -> str:
+        """Way-point `i` for people: ``way-point 3 (id 43, 'WP 3')``, counted from 0."""
+        point = self.waypoints[i]
+        told = [f"id {point.id}"] if point.id is not None else []
+        told += [shown(point.name, 40)] if point.name else []
+        return f"way-point {i} ({', '.join(told)})" if told else f"way-point {i}"
+
+    def lines(self) -> geodesy.Line:
+        """Bearings at both ends [rad] and lengths [m] of the legs, arrays of shape (W - 1,)."""
+        lat, lon = self._places().T
+        ends = lat[:-1], lon[:-1], lat[1:], lon[1:]
+        rhumbs, geodesics = geodesy.rhumb(*ends), geodesy.geodesic(*ends)
+        great = np.array([leg.geometry == "orthodrome" for leg in self.legs])
+        return geodesy.Line(
+            *(np.where(great, g, r) for g, r in zip(geodesics, rhumbs, strict=True))
+        )
+
+    def track(self) -> Track:
+        """The route in its plane.
+
+        Raises
+        ------
+        ConfigError
+            A way-point that is there twice, a turn too sharp, a planned turn that does not fit its
+            legs, a great circle across a pole; names the way-point.
+        """
+        lines = self.lines()
+        for i in np.flatnonzero(~(lines.length >= SHORTEST_LEG))[:1]:
+            raise ConfigError(
+                f"{self.label(i + 1)}: {lines.length[i]:.3g} m from the one before, at least "
+                f"{SHORTEST_LEG:g} m is needed; is it there twice?"
+            )
+        rooms, turns = self._rooms(lines)
+        places, owners = [], []
+        for k in range(len(self.legs)):
+            leg = self._cut(k, lines, rooms[k], lines.length[k] - rooms[k + 1])
+            leg = leg[1:] if k > 0 and rooms[k] == 0.0 else leg
+            places.append(leg)
+            owners += [k] * len(leg)
+            if rooms[k + 1] > 0.0:
+                after = self._at(k + 1, lines, np.array([rooms[k + 1]]))[0]
+                arc = arc_places(leg[-1], after, turns[k + 1])
+                places.append(arc)
+                owners += [k + (2 * j >= len(arc)) for j in range(len(arc))]
+        return self._laid(np.concatenate(places), np.array(owners[1:]))
+
+    def _laid(self, places: np.ndarray, owners: np.ndarray) -> Track:
+        """Track of places (P, 2) and of the route's leg of each of the P - 1 between them."""
+        if len(owners) > MOST_LEGS:
+            raise ConfigError(
+                f"route: {len(owners)} straight pieces stand for its great circles and turns; "
+                f"at most {MOST_LEGS} are allowed"
+            )
+        if np.abs(places[:, 0]).max() > geodesy.HIGHEST:
+            i = owners[max(0, int(np.argmax(np.abs(places[:, 0]))) - 1)]
+            raise ConfigError(
+                f"route: the leg from {self.label(i)} to {i + 1} passes a pole nearer than "
+                f"latitude {geodesy.HIGHEST:g} deg; let it pass elsewhere"
+            )
+        chart = Chart.laid(places[:, 0], places[:, 1])
+        limits = [[leg.port or math.nan, leg.starboard or math.nan] for leg in self.legs]
+        return Track(
+            np.stack([chart.north, chart.east], axis=-1),
+            chart=chart,
+            route=self,
+            limits=np.array(limits, dtype=np.float64)[owners],
+            leg_of=owners,
+        )
+
+    def check_turns(self, radius: float) -> None:
+        """Refuse a route that a ship with a turning radius [m] cannot sail; see `Track`."""
+        lines = self.lines()
+        turns = np.abs(_turns(lines))
+        for i, point in enumerate(self.waypoints[1:-1], start=1):
+            if point.radius and point.radius < radius * (1.0 - 1e-9):
+                raise ConfigError(
+                    f"route: {self.label(i)} has a planned radius of {point.radius:.0f} m; the "
+                    f"ship's turning radius is {radius:.0f} m"
+                )
+        own = np.array([point.radius or radius for point in self.waypoints])
+        need = own * np.tan(0.5 * np.minimum(turns, SHARPEST))
+        for i in np.flatnonzero(lines.length < (need[:-1] + need[1:]) * (1.0 - 1e-9))[:1]:
+            before, after = np.degrees(turns[i : i + 2])
+            raise ConfigError(
+                f"route: the leg from {self.label(i)} to {i + 1} is {lines.length[i]:.0f} m long; "
+                f"turns of {before:.0f} and {after:.0f} deg at its ends need "
+                f"{need[i] + need[i + 1]:.0f} m at a turning radius of {radius:.0f} m"
+            )
+
+    def to_meta(self) -> dict[str, Any]:
+        """The route as plain values, for a recording's meta."""
+        return dataclasses.asdict(self)
+
+    @classmethod
+    def from_meta(cls, meta: Mapping[str, Any]) -> Route:
+        """The route of `to_meta`.
+
+        Raises
+        ------
+        ConfigError
+            Something else.
+        """
+        return build(cls, meta, "route")
+
+    def _places(self) -> np.ndarray:
+        """Latitude and longitude [deg] of the way-points, shape (W, 2)."""
+        return np.array([[point.latitude, point.longitude] for point in self.waypoints])
+
+    def _rooms(self, lines: geodesy.Line) -> tuple[np.ndarray, np.ndarray]:
+        """What the planned turns take of both legs [m], and the changes of course; shape (W,)."""
+        turns = _turns(lines)
+        radii = np.array([point.radius or 0.0 for point in self.waypoints])
+        sharpest = np.where(radii > 0.0, SHARPEST, SHARPEST_TURN)
+        for i in np.flatnonzero(np.abs(turns) > sharpest * (1.0 + 1e-12))[:1]:
+            raise ConfigError(
+                f"{self.label(i)}: the route turns by {math.degrees(turns[i]):.1f} deg, allowed "
+                f"is {math.degrees(sharpest[i]):.0f} deg to either side"
+            )
+        rooms = radii * np.tan(0.5 * np.abs(turns))
+        rooms[rooms < SHORTEST_ARC] = 0.0
+        over = rooms[:-1] + rooms[1:] > lines.length * (1.0 + 1e-9)
+        for k in np.flatnonzero(over)[:1]:
+            i = k + int(rooms[k + 1] >= rooms[k])  # the turn that takes more
+            raise ConfigError(
+                f"{self.label(i)}: a planned turn of {abs(math.degrees(turns[i])):.0f} deg with "
+                f"radius {radii[i]:.0f} m needs {rooms[i]:.0f} m of the leg from way-point {k} to "
+                f"{k + 1}; it has {max(0.0, lines.length[k] - rooms[2 * k + 1 - i]):.0f} m"
+            )
+        return rooms, turns
+
+    def _cut(self, k: int, lines: geodesy.Line, start: float, end: float) -> np.ndarray:
+        """Places (P, 2) that stand for leg `k` from one length along it to another [m]."""
+        length = lines.length[k]
+        at = np.array([start, end] if end - start > SHORTEST_LEG else [start])
+        if self.legs[k].geometry == "orthodrome":
+            place = self.waypoints[k]
+            cuts = geodesy.geodesic_cuts(place.latitude, place.longitude, lines.bearing[k], length)
+            between = (cuts > start + SHORTEST_ARC) & (cuts < end - SHORTEST_ARC)
+            at = np.concatenate([at[:1], cuts[between], at[1:]])
+        places = self._at(k, lines, at)
+        given = self._places()
+        places[at == 0.0] = given[k]
+        places[at == length] = given[k + 1]
+        return places
+
+    def _at(self, k: int, lines: geodesy.Line, at: np.ndarray) -> np.ndarray:
+        """Places (P, 2) at lengths along leg `k` [m]."""
+        great = self.legs[k].geometry == "orthodrome"
+        forward = geodesy.geodesic_forward if great else geodesy.rhumb_forward
+        place = self.waypoints[k]
+        return np.stack(forward(place.latitude, place.longitude, lines.bearing[k], at), axis=-1)
+
+
+def _checked_name(name: Any) -> str:
+    """A name without spaces at its ends, or ConfigError if XML could not hold it."""
+    if not isinstance(name, str) or len(name) > _LONGEST_NAME or _NO_XML.search(name):
+        raise ConfigError(
+            f"name = {shown(name)}: must be a text of at most {_LONGEST_NAME} characters without "
+            "control characters"
+        )
+    return name.strip()
+
+
+def _turns(lines: geodesy.Line) -> np.ndarray:
+    """Changes of course at the way-points [rad], positive to starboard; 0 at both ends."""
+    turns = -wrap_angle(lines.bearing_there[:-1] - lines.bearing[1:])
+    return np.concatenate([[0.0], turns, [0.0]])
