@@ -582,7 +582,7 @@ READS = {
     "ship_gym/scenarios/scenario.py": {"scenario"},
     "ship_gym/sea/sea_states.py": OWN,
     "ship_gym/sea/spectrum_files.py": {"spectrum csv"},
-    "ship_gym/sea/spectrum_netcdf.py": {"spectrum netCDF"},
+    "ship_gym/sea/netcdf_file.py": {"spectrum netCDF"},
     "ship_gym/sea/state.py": OWN,
     "ship_gym/sea/wave_table.py": {"wave table"},
     "ship_gym/sea/wind_coefficients.py": OWN,

@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_number, shown
+from ship_gym.config import SMALLEST, ConfigError, check_number, shown
 from ship_gym.conventions import G, wrap_angle
 from ship_gym.sea.components import (
     N_DIRECTIONS,
@@ -63,9 +63,10 @@ class MeasuredSpectrum:
     spreading: float = 0.0
 
     def __post_init__(self):
-        for name in ("frequency", "density", "direction"):
+        for name in ("frequency", "direction"):
             object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
-        object.__setattr__(self, "shares", tuple(tuple(map(float, row)) for row in self.shares))
+        object.__setattr__(self, "density", _without_traces(self.density))
+        object.__setattr__(self, "shares", tuple(map(_without_traces, self.shares)))
         f = check_frequencies(self.frequency)
         for k, value in enumerate(check_length("density", self.density, len(f))):
             check_number(f"density[{k}]", value, 0.0, 1e6, "m2/Hz", tiny=True)
@@ -229,6 +230,11 @@ def _bin_width(to: np.ndarray) -> float:
             "direction once (0 and 360 deg are one)"
         )
     return width
+
+
+def _without_traces(values) -> tuple[float, ...]:
+    """Numbers, those that no quantity has as zero."""
+    return tuple(0.0 if abs(value) < SMALLEST else float(value) for value in values)
 
 
 def _rows(values: np.ndarray) -> tuple[tuple[float, ...], ...]:
