@@ -13,7 +13,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import ship_gym
 from ship_gym.config import ConfigError, build
 from ship_gym.reading import parsed_json
 from ship_gym.sea.measured import MeasuredSpectrum
@@ -24,7 +23,7 @@ _CALL = "from ship_gym.sea.hdf5_child import answer; answer()"
 
 def read_apart(path: str | Path, pick: str, directions: str) -> MeasuredSpectrum:
     """As ``sea.spectrum_netcdf.read_here``, by a child."""
-    package = str(Path(ship_gym.__file__).parents[1])
+    package = str(Path(__file__).parents[2])
     known = filter(None, (package, os.environ.get("PYTHONPATH")))
     try:
         done = subprocess.run(
