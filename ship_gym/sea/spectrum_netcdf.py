@@ -26,7 +26,8 @@ import numpy as np
 
 from ship_gym.config import ConfigError, nearest, shown, told_of
 from ship_gym.sea.hdf5_child import can_read_apart, read_apart
-from ship_gym.sea.measured import MeasuredSpectrum, of_directions, of_moments
+from ship_gym.sea.measured import MeasuredSpectrum
+from ship_gym.sea.measured_forms import of_directions, of_moments
 from ship_gym.sea.netcdf_file import check_installed, is_hdf5, open_netcdf
 from ship_gym.sea.netcdf_values import (
     angles,
