@@ -708,7 +708,7 @@ def test_a_small_file_needs_no_room_for_a_large_one(tmp_path):
 # modules that bind a socket: to 127.0.0.1, or where a flag says otherwise
 BINDS = {
     "ship_gym/recording/rerun_export/program.py": "finds a free port of 127.0.0.1 for the viewer",
-    "ship_gym_agents/serve/ports.py": "127.0.0.1, or --listen",
+    "ship_gym_agents/serve/binding.py": "127.0.0.1, or --listen",
 }
 SERVERS = ("bind", "create_server", "start_server", "HTTPServer", "TCPServer", "UDPServer")
 
