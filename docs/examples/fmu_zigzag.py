@@ -94,6 +94,7 @@ def overshoots(yaw: np.ndarray) -> list[float]:
 
 
 def main() -> None:
+    """Write the FMU, sail it twice and compare."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--ship", default="kcs", help="name or ship file (kcs)")
     parser.add_argument("--sea", default="ss5", help="named sea (ss5)")

@@ -14,6 +14,7 @@ from ship_gym.conventions import FORCE_AXES
 from ship_gym.cosim.values import check, sea_of, ship_of
 from ship_gym.cosim.variables import (
     CURRENT,
+    ELEVATION,
     FLOW,
     FLOW_OF_TWO,
     LOADS,
@@ -27,7 +28,7 @@ from ship_gym.cosim.variables import (
 )
 from ship_gym.simulation import ShipSim, SimulationDiverged
 
-_OFF = 1e-6  # a step may begin so far [s] from where the last one ended, and by that share of it
+_OFF, _ROUNDING = 1e-6, 1e-9  # a step may begin so far from the end of the last [s], share of t
 _FORMAT = 1  # of a stored state
 # what a step changes, beside the current of now
 _ARRAYS = ("state", "time", "commands", "clock", "lost", "forces", "flow", "met")
@@ -100,6 +101,8 @@ class ShipUnit:
             return float(sim.waves[0, _MOTION_OF[name]])
         if name in _CURRENT_OF:
             return float(sim.seas[_CURRENT_OF[name]][0])
+        if name == ELEVATION.name:
+            return float(sim.elevation(*sim.state[0, [_NORTH, _EAST]]))
         if name in _PLACE_OF:
             return self._place()[_PLACE_OF[name]]
         forces, flow = self._loads_now()
@@ -183,7 +186,7 @@ class ShipUnit:
         """
         sim = self._made()
         now = time if self.start_time is None else self.time()
-        if not abs(time - now) <= _OFF * max(1.0, abs(now)):
+        if not abs(time - now) <= _OFF + _ROUNDING * abs(now):
             return f"a step from t = {time:.9g} s, but the unit is at {now:.9g} s"
         before = self._kept()
         try:

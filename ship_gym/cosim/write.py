@@ -15,7 +15,6 @@ import uuid
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -26,6 +25,7 @@ from ship_gym.cosim.osp import write_osp
 from ship_gym.cosim.unit import ShipUnit
 from ship_gym.cosim.values import sea_of, ship_of, start_values
 from ship_gym.keys import Keys
+from ship_gym.provenance import versions
 from ship_gym.reading import check_unpacked, parsed_json, read_as, read_bytes, read_toml
 from ship_gym.ships.files import DATA, chain_of, file_of, text_of
 from ship_gym.ships.particulars import Ship
@@ -109,7 +109,7 @@ def _resources(
     name = values["ship.name"]
     if name.endswith(".toml"):
         values = values | {"ship.name": _pack_ship(Path(name), ships)}
-    version = metadata.version("ship-gym")
+    version = versions()["ship-gym"]
     card = {
         "format": FORMAT,
         "ship": ship.name,

@@ -173,6 +173,11 @@ def trials(ships: Iterable[str]) -> Result:
     return Result(f"values of the trials of {', '.join(ships)}", ["trials", ships])
 
 
+def route(made: Mapping[str, Any]) -> Result:
+    """A route, by all that it is."""
+    return Result(f"the route {made['name']!r}", ["route", made])
+
+
 def fmu(ship: str) -> Result:
     """A ship as a unit of co-simulation; what its parameters start with does not matter."""
     return Result(f"an FMU of {ship}", ["fmu", ship])

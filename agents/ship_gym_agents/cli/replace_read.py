@@ -151,6 +151,11 @@ def _voyage_in(path: Path) -> Result | None:
     return Result("the track of another recording", ["voyage", found[0]]) if found else None
 
 
+def _on_earth_in(path: Path) -> Result | None:
+    """A sailed track, else a route."""
+    return _voyage_in(path) or _route_in(path)
+
+
 _READERS: dict[str, Callable[[Path], Result | None]] = {
     ".safetensors": _policy_in,
     ".onnx": _onnx_in,
@@ -161,8 +166,9 @@ _READERS: dict[str, Callable[[Path], Result | None]] = {
     ".csv": _csv_in,
     ".json": _json_in,
     ".rtz": _route_in,
-    ".gpx": _route_in,
-    ".geojson": _route_in,
+    ".gpx": _on_earth_in,
+    ".geojson": _on_earth_in,
+    ".kml": _voyage_in,
     ".md": _markdown_in,
     ".html": _html_in,
     ".fmu": _fmu_in,

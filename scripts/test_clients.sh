@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# Installs TorchRL, skrl and Tianshou beside Ship Gym and trains with them: see --help.
+set -euo pipefail
+# shellcheck source=scripts/_setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/_setup.sh"
+
+usage() {
+    cat <<'HELP'
+Usage: bash scripts/test_clients.sh [--slow] [--wheel FILE]
+
+Makes a virtual environment in a temporary folder with ship-gym[clients], which brings TorchRL, skrl
+and Tianshou, and runs the tests that need them: the adapter for Tianshou and TorchRL's GymWrapper
+against loops of our own, and the examples of docs/examples. A test that is skipped for want of a
+library is an error here.
+
+  --slow        also train with each for a minute, and see that it has learned to steer
+  --wheel FILE  install this wheel of Ship Gym instead of the checkout
+  -h, --help    this text
+
+Environment: PYTHON (Python >= 3.11 to use).
+
+Examples:
+  bash scripts/test_clients.sh
+  bash scripts/test_clients.sh --slow --wheel dist/ship_gym-0.1.0-py3-none-any.whl
+HELP
+}
+
+source_="$ROOT"
+learns=" and not learns"
+while [ $# -gt 0 ]; do
+    case "$1" in
+    -h | --help) usage && exit 0 ;;
+    --slow) learns="" ;;
+    --wheel)
+        [ $# -gt 1 ] || die "$1 needs a value (see --help)"
+        source_="$(realpath "$2")"
+        shift
+        ;;
+    *) die "unknown argument: $1 (see --help)" ;;
+    esac
+    shift
+done
+[ -e "$source_" ] || die "--wheel $source_: no such file"
+
+python="$(find_python)"
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+PY="$work/venv/bin/python" # of _setup.sh, for pip_install
+started=$SECONDS
+say "Installing ship-gym[clients] for $("$python" --version) (about 1 minute, 1.5 GB of disk)"
+"$python" -m venv "$work/venv"
+pip_install "$TORCH" "$source_[clients]" pytest
+"$PY" -m pip --disable-pip-version-check check
+say "Installed in $((SECONDS - started)) s"
+
+# The installed package, not the checkout: tests and examples are copied, and nothing else is there.
+mkdir -p "$work/here/docs"
+cp -r "$ROOT/tests" "$work/here/tests"
+cp -r "$ROOT/docs/examples" "$work/here/docs/examples"
+cd "$work/here"
+unset PYTHONPATH
+cat >pytest.ini <<'INI'
+[pytest]
+addopts = --import-mode=importlib
+markers =
+    slow: trains
+    compiled: needs compiled kernels
+INI
+say "The tests that need them"
+"$PY" -m pytest -q -rs -p no:cacheprovider tests/agents/test_tianshou_env.py tests/envs/test_torchrl.py \
+    tests/examples -k "(tianshou or skrl or torchrl)$learns" | tee "$work/log"
+! grep -q "skipped" "$work/log" || die "tests were skipped (see above)"
+say "TorchRL, skrl and Tianshou sail with Ship Gym: $((SECONDS - started)) s"
