@@ -36,7 +36,7 @@ class Placed:
 def check_place(points: np.ndarray, ship: Ship, name: str, placed: Placed) -> None:
     """Refuse a mesh that is not the ship's size or not where the ship is, and guess why."""
     L, d = ship.hull.L, ship.hull.d
-    wet = points[points[:, 2] > 0.0]
+    wet = points[points[:, 2] > 1e-6 * L]
     deepest = float(points[:, 2].max())
     height = placed.waterline + d - deepest  # of the waterline, at the ship's draught
     size = np.ptp(points, axis=0)
