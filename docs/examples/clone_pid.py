@@ -30,8 +30,7 @@ from ship_gym.writing import atomic_path, check_place
 
 EXAMPLES = """examples:
   python docs/examples/clone_pid.py
-  python docs/examples/clone_pid.py --episodes 15 --noise 0 0.1
-  python docs/examples/clone_pid.py --episodes 200 --epochs 60 --datasets runs/sets --json"""
+  python docs/examples/clone_pid.py --episodes 15 --noise 0 0.1 --datasets runs/sets --json"""
 
 
 def recorded(plan: Plan, folder: Path) -> minari.MinariDataset:

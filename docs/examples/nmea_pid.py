@@ -96,9 +96,13 @@ class Wire:
         if udp:  # over UDP a ship knows who hears her only when she was spoken to
             self.say(made("AG", "HDT", ["", "T"]))
 
-    def say(self, sentence: str) -> None:
-        """Send one."""
-        self._socket.send(sentence.encode("ascii"))
+    def say(self, sentence: str) -> bool:
+        """Send one; False where nobody is there any more."""
+        try:
+            self._socket.send(sentence.encode("ascii"))
+        except OSError:
+            return False
+        return True
 
     def lines(self) -> Iterator[str]:
         """What comes in."""
@@ -121,8 +125,7 @@ def steer(pilot: Pilot, wire: Wire, orders: float = math.inf) -> int:
     """Answer the ship until she is silent, or so many times; how many orders were given."""
     given = 0
     for line in wire.lines():
-        if (order := pilot.hear(line)) is not None:
-            wire.say(order)
+        if (order := pilot.hear(line)) is not None and wire.say(order):
             given += 1
         if given >= orders:
             break

@@ -14,6 +14,7 @@ from ship_gym.conventions import FORCE_AXES
 from ship_gym.cosim.values import check, sea_of, ship_of
 from ship_gym.cosim.variables import (
     CURRENT,
+    ELEVATION,
     FLOW,
     FLOW_OF_TWO,
     LOADS,
@@ -100,6 +101,8 @@ class ShipUnit:
             return float(sim.waves[0, _MOTION_OF[name]])
         if name in _CURRENT_OF:
             return float(sim.seas[_CURRENT_OF[name]][0])
+        if name == ELEVATION.name:
+            return float(sim.elevation(*sim.state[0, [_NORTH, _EAST]]))
         if name in _PLACE_OF:
             return self._place()[_PLACE_OF[name]]
         forces, flow = self._loads_now()

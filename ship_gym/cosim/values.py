@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.config import ConfigError, check_angle, check_number, shown
+from ship_gym.conventions import wrap_angle
 from ship_gym.cosim.variables import (
     INPUTS,
     PARAMETERS,
@@ -20,6 +21,7 @@ from ship_gym.cosim.variables import (
     TEXT,
     WHOLE,
 )
+from ship_gym.sea.spectra import WaveSystem
 from ship_gym.sea.state import Sea, irregular_sea, load_sea, regular_sea
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
@@ -67,6 +69,9 @@ def usual(ship: str) -> dict[str, Any]:
         **{RUDDER: 0.0, "ship.name": str(ship), "ship.surrogate": "", "ship.variant": ""},
         **{"sea.name": "calm", "sea.wave_height": 0.0, "sea.wave_period": 10.0},
         **{"sea.regular": False, "sea.spreading": 0.0, "sea.wave_direction_from": 0.0},
+        **{"sea.swell_height": 0.0, "sea.swell_period": 14.0, "sea.swell_spreading": 0.0},
+        **{"sea.swell_direction_from": 0.0, "sea.current_variation": 0.0},
+        "sea.current_period": 1800.0,
         **{"sea.wind_speed": 0.0, "sea.wind_direction_from": 0.0, "sea.gusts": False},
         **{"sea.current_speed": 0.0, "sea.current_direction_to": 0.0, "seed": 0},
         **{"start.heading": 0.0, "start.self_propulsion": True, "start.propeller_speed": 0.0},
@@ -119,12 +124,33 @@ def sea_of(values: Mapping[str, Any], ship: Ship) -> Sea:
     elif come != 0.0:  # those of the package come from north
         turned = regular_sea(1e-3, omega=1.0, direction_from=come)
         sea = dataclasses.replace(sea, wave_direction_to=turned.wave_direction_to)
+    if values["sea.swell_height"] > 0.0:
+        sea = _with_swell(values, sea)
     if values["sea.wind_speed"] > 0.0:
         sea = dataclasses.replace(sea, wind_speed=values["sea.wind_speed"])
     if values["sea.current_speed"] > 0.0:
         speed, to = values["sea.current_speed"], values["sea.current_direction_to"]
         sea = dataclasses.replace(sea, current_speed=speed, current_direction_to=to)
+    if values["sea.current_variation"] > 0.0:
+        share, period = values["sea.current_variation"], values["sea.current_period"]
+        sea = dataclasses.replace(sea, current_variation=share, current_period=period)
     return dataclasses.replace(sea, wind_direction_from=wind_from, gusts=values["sea.gusts"])
+
+
+def _with_swell(values: Mapping[str, Any], sea: Sea) -> Sea:
+    """A sea with a swell as its last system, at its direction from the main one."""
+    if sea.regular is not None:
+        raise ConfigError(
+            f"sea.swell_height = {values['sea.swell_height']:g}: not beside a regular wave"
+        )
+    to = values["sea.swell_direction_from"] + math.pi
+    swell = WaveSystem(
+        height=values["sea.swell_height"],
+        peak_period=values["sea.swell_period"],
+        direction=float(wrap_angle(to - sea.wave_direction_to)),
+        spreading=values["sea.swell_spreading"],
+    )
+    return dataclasses.replace(sea, waves=(*sea.waves, swell))
 
 
 def _check_meant(values: Mapping[str, Any], sea: Sea) -> None:
@@ -134,6 +160,9 @@ def _check_meant(values: Mapping[str, Any], sea: Sea) -> None:
         ("sea.regular", own, "sea.wave_height"),
         ("sea.spreading", own, "sea.wave_height"),
         ("sea.wave_direction_from", own or sea.waves, "waves"),
+        ("sea.swell_spreading", values["sea.swell_height"] > 0.0, "sea.swell_height"),
+        ("sea.swell_direction_from", values["sea.swell_height"] > 0.0, "sea.swell_height"),
+        ("sea.current_variation", values["sea.current_speed"] or sea.current_speed, "a current"),
         ("sea.wind_direction_from", values["sea.wind_speed"] or sea.wind_speed, "wind"),
         ("sea.current_direction_to", values["sea.current_speed"] > 0.0, "sea.current_speed"),
     ):

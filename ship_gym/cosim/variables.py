@@ -138,6 +138,9 @@ MOTIONS = {
     for name, (unit, meaning) in _MOTIONS.items()
 }
 
+ELEVATION = Variable(
+    "wave_elevation.midship", OUTPUT, REAL, "m", "surface of the sea at midship, positive up"
+)
 CURRENT = (
     Variable("current.north", OUTPUT, REAL, "m/s", "velocity of the water now, to north"),
     Variable("current.east", OUTPUT, REAL, "m/s", "velocity of the water now, to east"),
@@ -162,12 +165,18 @@ PARAMETERS = (
     _given("sea.regular", SWITCH, "", "they are one regular wave; else JONSWAP, height is H_s"),
     _given("sea.spreading", REAL, "", "s of cos^(2s), 1 to 100; 0: long-crested", 0, 100),
     _given("sea.wave_direction_from", REAL, "rad", "where waves come from", -_TURN, _TURN),
+    _given("sea.swell_height", REAL, "m", "H_s of a swell beside the waves; 0: none", 0, 30),
+    _given("sea.swell_period", REAL, "s", "its peak period", 0.1, 40),
+    _given("sea.swell_spreading", REAL, "", "its spreading", 0, 100),
+    _given("sea.swell_direction_from", REAL, "rad", "where it comes from", -_TURN, _TURN),
     _given("sea.wind_speed", REAL, "m/s", "instead of the named sea's; 0: that", 0, 60),
     _given("sea.wind_direction_from", REAL, "rad", "where wind comes from", -_TURN, _TURN),
     _given("sea.gusts", SWITCH, "", "whether the wind has gusts"),
     _given("sea.current_speed", REAL, "m/s", "instead of the named sea's; 0: that", 0, 10),
     _given("sea.current_direction_to", REAL, "rad", "where this current flows", -_TURN, _TURN),
-    _given("seed", WHOLE, "", "of the phases of waves, gusts and disturbance", 0, 2**31 - 1),
+    _given("sea.current_variation", REAL, "", "share by which it varies slowly", 0, 1),
+    _given("sea.current_period", REAL, "s", "period of that", 1, 1e6),
+    _given("seed", WHOLE, "", "of the phases of waves, gusts, current, disturbance", 0, 2**31 - 1),
     _given("start.speed", REAL, "m/s", "through the water, straight ahead", -100, 100),
     _given("start.heading", REAL, "rad", "0 is north", -_TURN, _TURN),
     _given("start.self_propulsion", SWITCH, "", "propeller starts at the speed that holds this"),
@@ -198,6 +207,7 @@ def variables(propellers: int, placed: bool) -> tuple[Variable, ...]:
         *FLOW,
         *(FLOW_OF_TWO if propellers == 2 else ()),
         *MOTIONS.values(),
+        ELEVATION,
         *CURRENT,
         *(PLACE if placed else ()),
         *PARAMETERS,

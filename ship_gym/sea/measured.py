@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_number, shown
+from ship_gym.config import SMALLEST, ConfigError, check_number, shown
 from ship_gym.conventions import G, wrap_angle
 from ship_gym.sea.components import (
     N_DIRECTIONS,
@@ -63,9 +63,10 @@ class MeasuredSpectrum:
     spreading: float = 0.0
 
     def __post_init__(self):
-        for name in ("frequency", "density", "direction"):
+        for name in ("frequency", "direction"):
             object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
-        object.__setattr__(self, "shares", tuple(tuple(map(float, row)) for row in self.shares))
+        object.__setattr__(self, "density", _without_traces(self.density))
+        object.__setattr__(self, "shares", tuple(map(_without_traces, self.shares)))
         f = check_frequencies(self.frequency)
         for k, value in enumerate(check_length("density", self.density, len(f))):
             check_number(f"density[{k}]", value, 0.0, 1e6, "m2/Hz", tiny=True)
@@ -139,61 +140,6 @@ class MeasuredSpectrum:
         return _components(self, count)
 
 
-def of_directions(frequency, direction, density) -> MeasuredSpectrum:
-    """A two-dimensional spectrum.
-
-    Parameters
-    ----------
-    frequency : array_like
-        [Hz], rising, shape (F,).
-    direction : array_like
-        Where waves go to [rad], in any order, shape (D,): middles of bins of equal width, which
-        need not fill the circle.
-    density : array_like
-        [m2/Hz/rad], shape (F, D).
-
-    Raises
-    ------
-    ConfigError
-        Directions that do not have equal steps, or a density below 0.
-    """
-    to = np.asarray(direction, dtype=float) % (2.0 * math.pi)
-    order = np.argsort(to)
-    to, density = to[order], np.asarray(density, dtype=float)[:, order]
-    width = _bin_width(to)
-    if not np.all(density >= 0.0):
-        i, j = np.argwhere(~(density >= 0.0))[0]
-        raise ConfigError(
-            f"density = {shown(density[i, j])} at {shown(float(frequency[i]))} Hz, going to "
-            f"{math.degrees(to[j]):.4g} deg: allowed is 0 or more"
-        )
-    total = density.sum(axis=1)
-    shares = density / np.where(total > 0.0, total, 1.0)[:, None]
-    return MeasuredSpectrum(tuple(frequency), tuple(total * width), tuple(to), _rows(shares))
-
-
-def of_moments(frequency, density, direction, r_1) -> MeasuredSpectrum:
-    """A spectrum of a buoy that knows the mean direction and its sharpness of each frequency.
-
-    Over directions it is that of Longuet-Higgins et al., cos^(2s)(theta / 2) with s = r_1 /
-    (1 - r_1), whose first moment is r_1; a buoy's spread sigma is sqrt(2 (1 - r_1)) (Kuik et al.
-    1988, J. Phys. Oceanogr. 18, 1020-1034).
-
-    Parameters
-    ----------
-    frequency, density, direction, r_1 : array_like
-        [Hz], [m2/Hz], where waves go to [rad], and the length of the mean unit vector, 0 to 1;
-        shape (F,) each.
-    """
-    to = np.radians(np.arange(0.0, 360.0, 3.0))
-    r = np.clip(np.asarray(r_1, dtype=float), 0.0, 0.995)  # 5.7 deg of spread: two bins
-    half = 0.5 * (to - np.asarray(direction, dtype=float)[:, None])
-    shares = np.cos(half) ** 2
-    shares **= (r / (1.0 - r))[:, None]
-    shares /= shares.sum(axis=1)[:, None]
-    return MeasuredSpectrum(tuple(frequency), tuple(density), tuple(to), _rows(shares))
-
-
 def check_frequencies(frequency) -> tuple[float, ...]:
     """Refuse frequencies [Hz] that do not rise or are none of waves."""
     if len(frequency) < _LEAST:
@@ -215,7 +161,7 @@ def check_length(name: str, values: tuple, wanted: int) -> tuple:
     return values
 
 
-def _bin_width(to: np.ndarray) -> float:
+def bin_width(to: np.ndarray) -> float:
     """Width of the bins whose middles these are [rad]; refuse what has no equal steps."""
     if len(to) < _LEAST:
         raise ConfigError(f"{len(to)} directions: allowed are {_LEAST} or more")
@@ -231,8 +177,9 @@ def _bin_width(to: np.ndarray) -> float:
     return width
 
 
-def _rows(values: np.ndarray) -> tuple[tuple[float, ...], ...]:
-    return tuple(map(tuple, values.tolist()))
+def _without_traces(values) -> tuple[float, ...]:
+    """Numbers, those that no quantity has as zero."""
+    return tuple(0.0 if abs(value) < SMALLEST else float(value) for value in values)
 
 
 @functools.lru_cache(maxsize=64)
@@ -260,7 +207,7 @@ def _directions(spectrum: MeasuredSpectrum, fine: np.ndarray, count: int) -> np.
     order = np.argsort(off)
     energy = (np.array(spectrum.density)[:, None] * np.array(spectrum.shares))[:, order]
     shares = _of_strips(np.array(spectrum.frequency), energy, fine, count)
-    half = 0.5 * _bin_width(np.sort(np.array(spectrum.direction)))
+    half = 0.5 * bin_width(np.sort(np.array(spectrum.direction)))
     u = (golden_order(count) + 0.5) / count
     found = np.array([_quantile(*pair, off[order], half) for pair in zip(shares, u, strict=True)])
     found = _shared(found)

@@ -24,7 +24,8 @@ import numpy as np
 
 from ship_gym.config import ConfigError, nearest, shown, told_of
 from ship_gym.plain_csv import PlainCsv, read_plain_csv
-from ship_gym.sea.measured import MeasuredSpectrum, of_directions, of_moments
+from ship_gym.sea.measured import MeasuredSpectrum
+from ship_gym.sea.measured_forms import of_directions, of_moments
 
 WAYS = ("from", "to")
 _NETCDF = (".nc", ".nc3", ".nc4", ".cdf", ".netcdf")

@@ -19,7 +19,8 @@ from ship_gym.config import ConfigError, cut
 from ship_gym.reading import read_bytes
 
 _SECONDS = 300.0  # for one file
-_CHORD = 5e-5  # a triangle leaves the surface by so much of the size at most
+_CHORD = 1e-4  # a triangle leaves the surface by so much of the size at most
+_ROUGH = 1e4  # [mm]
 _ANGLE = 0.2  # [rad] between neighbours on a curved surface
 _EXTRAS = {"cascadio": "cad"}  # of the others: bem
 # OpenCASCADE talks on stdout: what was stdout is kept for the triangles.
@@ -64,15 +65,16 @@ def read_cad(path: Path) -> tuple[np.ndarray, np.ndarray]:
     kind = "iges" if path.suffix.lower() in (".igs", ".iges") else "step"
     library("cascadio", path)
     data = read_bytes(path)
-    unit = 0.001 if kind == "iges" else 1.0  # cascadio gives IGES in mm, STEP in m
-    # the size is known once it is read: first coarsely
-    size = float(np.ptp(_triangles(path, data, kind, 1e-2 / unit)[0], axis=0).max())
-    vertices, triangles = _triangles(path, data, kind, max(_CHORD * size, 1e-9))
+    # cascadio gives IGES in mm and STEP in m, and takes the chord in mm of both
+    unit = 0.001 if kind == "iges" else 1.0
+    rough, _ = _triangles(path, data, kind, _ROUGH)  # for the size, which the chord goes by
+    size = unit * float(np.ptp(rough, axis=0).max())
+    vertices, triangles = _triangles(path, data, kind, 1000.0 * max(_CHORD * size, 1e-6))
     return vertices * unit, triangles
 
 
 def _triangles(path: Path, data: bytes, kind: str, chord: float) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices and triangles that stay within a chord of the surface, in cascadio's unit."""
+    """Vertices in cascadio's unit and triangles within a chord [mm] of the surface."""
     trimesh = library("trimesh", path)
     command = [sys.executable, "-P", "-c", _CHILD, kind, repr(chord), repr(_ANGLE)]
     name = kind.upper()

@@ -44,7 +44,11 @@ def close_gaps(
     """
     before = len(open_edges(faces)[0])
     for _ in range(_ROUNDS if before else 0):
-        moved = _merged(points, faces, gap)
+        moved = faces
+        for _ in range(_ROUNDS):  # of four that meet, two and two
+            moved, once = _merged(points, moved, gap), moved
+            if moved is once:
+                break
         made = _with_nodes(points, moved, gap)
         if made is faces or len(open_edges(made)[0]) >= len(open_edges(faces)[0]):
             break

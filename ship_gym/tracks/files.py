@@ -16,9 +16,10 @@ from ship_gym.charts import Chart
 from ship_gym.config import ConfigError, check_known, told_of
 from ship_gym.tracks.geojson import read_geojson, write_geojson, write_metres
 from ship_gym.tracks.gpx import read_gpx, write_gpx
-from ship_gym.tracks.route import GEOMETRIES, Route, Waypoint, check_count
+from ship_gym.tracks.route import Route
 from ship_gym.tracks.rtz import read_rtz, write_rtz
 from ship_gym.tracks.track import Track
+from ship_gym.tracks.waypoint import GEOMETRIES, Waypoint, check_count
 
 _READERS: dict[str, Callable[..., Route | Track]] = {
     ".rtz": read_rtz,

@@ -18,8 +18,9 @@ from ship_gym.charts import geodesy
 from ship_gym.config import ConfigError, build, check_known, check_number, shown, told_of
 from ship_gym.reading import read_json
 from ship_gym.tracks.geojson_lines import features_of, member, positions_of
-from ship_gym.tracks.route import GEOMETRIES, Leg, Route, Waypoint, check_count
+from ship_gym.tracks.route import Route
 from ship_gym.tracks.track import Track
+from ship_gym.tracks.waypoint import GEOMETRIES, Leg, Waypoint, check_count
 from ship_gym.writing import atomic_path
 
 NEAR_ZERO = 1.0  # [deg] from latitude and longitude 0: more likely metres of a towing tank
@@ -50,10 +51,10 @@ def read_geojson(path: Path, geometry: str | None = None) -> Route | Track:
         if not isinstance(data, dict) or "type" not in data:
             raise ConfigError('not GeoJSON: no object with a "type"')
         features = features_of(data)
-        positions = positions_of(features)
+        units = _units(data, features)
+        positions = positions_of(features, 0.0 if units == "m" else 360.0)
         check_count(len(positions))
         pairs = np.array([_pair(i, position) for i, position in enumerate(positions)])
-        units = _units(data, features)
         if units == "m":
             return Track(pairs[:, ::-1])
         _check_degrees(*pairs.T)

@@ -33,14 +33,17 @@ def member(feature: dict[str, Any], name: str) -> dict[str, Any]:
     return found
 
 
-def positions_of(features: list[dict[str, Any]]) -> list[Any]:
-    """Positions of the one line or of all points, in the order of the file."""
+def positions_of(features: list[dict[str, Any]], round_earth: float = 0.0) -> list[Any]:
+    """Positions of the one line or of all points, in the order of the file.
+
+    `round_earth` is what may lie between the first numbers of one place: 360 deg, or 0 in metres.
+    """
     geometries = [member(feature, "geometry") for feature in features]
     kinds = [shown(geometry.get("type")).strip("'") for geometry in geometries]
     if kinds == ["LineString"]:
         return _listed(geometries[0], "the LineString")
     if kinds == ["MultiLineString"]:
-        return _joined(_listed(geometries[0], "the MultiLineString"))
+        return _joined(_listed(geometries[0], "the MultiLineString"), round_earth)
     if kinds and set(kinds) == {"Point"}:
         return [geometry.get("coordinates") for geometry in geometries]
     lines = kinds.count("LineString") + kinds.count("MultiLineString")
@@ -56,7 +59,7 @@ def _listed(geometry: dict[str, Any], what: str) -> list[Any]:
     return found
 
 
-def _joined(lines: list[Any]) -> list[Any]:
+def _joined(lines: list[Any], round_earth: float) -> list[Any]:
     """Lines that meet end to start as one; where the antimeridian cut them is no way-point."""
     joined: list[Any] = []
     for k, line in enumerate(lines):
@@ -66,7 +69,7 @@ def _joined(lines: list[Any]) -> list[Any]:
             joined += line
             continue
         end, start = joined[-1], line[0]
-        if not _meet(end, start):
+        if not _meet(end, start, round_earth):
             raise ConfigError(
                 f"line {k} of the MultiLineString begins at {shown(start)}, line {k - 1} ends at "
                 f"{shown(end)}: must be the same place"
@@ -77,12 +80,16 @@ def _joined(lines: list[Any]) -> list[Any]:
     return joined
 
 
-def _meet(end: Any, start: Any) -> bool:
-    return _plain(end) and _plain(start) and end[1] == start[1] and (end[0] - start[0]) % 360 == 0
+def _meet(end: Any, start: Any, round_earth: float) -> bool:
+    if not (_plain(end) and _plain(start) and end[1] == start[1]):
+        return False
+    apart = abs(end[0] - start[0])
+    return apart in (0.0, round_earth)
 
 
 def _is_cut(end: Any, start: Any) -> bool:
-    return abs(end[0]) == abs(start[0]) == _ANTIMERIDIAN and end[0] != start[0]
+    """Whether the antimeridian lies between; they meet."""
+    return abs(end[0]) == _ANTIMERIDIAN and end[0] != start[0]
 
 
 def _plain(position: Any) -> bool:

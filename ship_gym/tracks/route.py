@@ -8,98 +8,21 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import re
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from ship_gym.charts import Chart, geodesy
-from ship_gym.config import ConfigError, build, check_known, check_number, shown
+from ship_gym.config import ConfigError, build, shown
 from ship_gym.conventions import wrap_angle
 from ship_gym.tracks.arcs import SHORTEST_ARC, arc_places
 from ship_gym.tracks.track import SHARPEST_TURN, SHORTEST_LEG, Track
+from ship_gym.tracks.waypoint import Leg, Waypoint, check_count, checked_name
 
-GEOMETRIES = ("loxodrome", "orthodrome")
-LARGEST_COUNT = 20_000  # way-points of a route
 MOST_LEGS = 100_000  # of the plane
 SHARPEST = math.radians(175.0)  # a planned turn; beyond it the leg is sailed back
-_LONGEST_NAME = 1000  # characters
-_NO_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-_PLACES = 12  # decimals of a degree of a wrapped longitude: what 360 added may have lost
-_FARTHEST_ASIDE = 1e6  # [m]
-_FASTEST = 100.0  # [m/s]
-
-
-def check_count(count: int) -> None:
-    """Refuse more way-points than a track or a route may have."""
-    if count > LARGEST_COUNT:
-        raise ConfigError(f"track: {count} way-points; at most {LARGEST_COUNT} are allowed")
-
-
-@dataclasses.dataclass(frozen=True)
-class Waypoint:
-    """A place to turn at.
-
-    Attributes
-    ----------
-    latitude, longitude : float
-        WGS84 [deg]; a longitude beyond 180 is taken round the earth to within [-180, 180).
-    name : str
-    radius : float, optional
-        Planned turn [m]; None or 0: a corner. Of the first and the last way-point it says nothing.
-    id : int, optional
-        Number in an RTZ file.
-    """
-
-    latitude: float
-    longitude: float
-    name: str = ""
-    radius: float | None = None
-    id: int | None = None
-
-    def __post_init__(self):
-        object.__setattr__(self, "name", _checked_name(self.name))
-        top = geodesy.HIGHEST
-        check_number("latitude", self.latitude, -top, top, "deg", tiny=True)
-        longitude = check_number("longitude", self.longitude, -540.0, 540.0, "deg", tiny=True)
-        if not -180.0 <= longitude < 180.0:
-            longitude = round(float(geodesy.wrap_longitude(longitude)), _PLACES)
-        object.__setattr__(self, "longitude", longitude)
-        if self.radius is not None:
-            check_number("radius", self.radius, 0.0, _FARTHEST_ASIDE, "m")
-        if self.id is not None:
-            check_number("id", self.id, 0)
-
-
-@dataclasses.dataclass(frozen=True)
-class Leg:
-    """From one way-point to the next.
-
-    Attributes
-    ----------
-    geometry : str
-        ``"loxodrome"`` (rhumb line) or ``"orthodrome"`` (great circle, on the ellipsoid).
-    port, starboard : float, optional
-        Limits of the cross-track distance to either side [m]; 0, too, is none.
-    speed_min, speed_max : float, optional
-        Planned speeds [m/s].
-    """
-
-    geometry: str = "loxodrome"
-    port: float | None = None
-    starboard: float | None = None
-    speed_min: float | None = None
-    speed_max: float | None = None
-
-    def __post_init__(self):
-        check_known("geometry", self.geometry, GEOMETRIES)
-        for name in ("port", "starboard"):
-            if (value := getattr(self, name)) is not None:
-                check_number(name, value, 0.0, _FARTHEST_ASIDE, "m")
-        for name in ("speed_min", "speed_max"):
-            if (value := getattr(self, name)) is not None:
-                check_number(name, value, 0.0, _FASTEST, "m/s")
+_NO_LEG = 0.1  # [m]; between two arcs no straight piece is shorter
 
 
 @dataclasses.dataclass(frozen=True)
@@ -125,7 +48,7 @@ class Route:
     legs: tuple[Leg, ...] = ()
 
     def __post_init__(self):
-        object.__setattr__(self, "name", _checked_name(self.name))
+        object.__setattr__(self, "name", checked_name(self.name))
         waypoints, legs = tuple(self.waypoints), tuple(self.legs)
         check_count(len(waypoints))
         if len(waypoints) < 2:
@@ -171,18 +94,20 @@ class Route:
                 f"{SHORTEST_LEG:g} m is needed; is it there twice?"
             )
         rooms, turns = self._rooms(lines)
-        places, owners = [], []
+        given, places, owners = self._places(), [], []
         for k in range(len(self.legs)):
             leg = self._cut(k, lines, rooms[k], lines.length[k] - rooms[k + 1])
-            leg = leg[1:] if k > 0 and rooms[k] == 0.0 else leg
-            places.append(leg)
-            owners += [k] * len(leg)
+            leg[[0, -1]] = np.where(  # an end that no arc cuts off is the way-point, bit by bit
+                [[rooms[k] == 0.0], [rooms[k + 1] == 0.0]], given[k : k + 2], leg[[0, -1]]
+            )
+            places += list(leg[1:] if k > 0 and rooms[k] == 0.0 else leg)
+            owners += [k] * (len(places) - len(owners))
             if rooms[k + 1] > 0.0:
                 after = self._at(k + 1, lines, np.array([rooms[k + 1]]))[0]
-                arc = arc_places(leg[-1], after, turns[k + 1])
-                places.append(arc)
+                arc = arc_places(places[-1], after, turns[k + 1])
+                places += list(arc)
                 owners += [k + (2 * j >= len(arc)) for j in range(len(arc))]
-        return self._laid(np.concatenate(places), np.array(owners[1:]))
+        return self._laid(np.array(places), np.array(owners[1:]))
 
     def _laid(self, places: np.ndarray, owners: np.ndarray) -> Track:
         """Track of places (P, 2) and of the route's leg of each of the P - 1 between them."""
@@ -271,17 +196,13 @@ class Route:
     def _cut(self, k: int, lines: geodesy.Line, start: float, end: float) -> np.ndarray:
         """Places (P, 2) that stand for leg `k` from one length along it to another [m]."""
         length = lines.length[k]
-        at = np.array([start, end] if end - start > SHORTEST_LEG else [start])
+        at = np.array([start, end] if end - start > _NO_LEG or end == length else [start])
         if self.legs[k].geometry == "orthodrome":
             place = self.waypoints[k]
             cuts = geodesy.geodesic_cuts(place.latitude, place.longitude, lines.bearing[k], length)
             between = (cuts > start + SHORTEST_ARC) & (cuts < end - SHORTEST_ARC)
             at = np.concatenate([at[:1], cuts[between], at[1:]])
-        places = self._at(k, lines, at)
-        given = self._places()
-        places[at == 0.0] = given[k]
-        places[at == length] = given[k + 1]
-        return places
+        return self._at(k, lines, at)
 
     def _at(self, k: int, lines: geodesy.Line, at: np.ndarray) -> np.ndarray:
         """Places (P, 2) at lengths along leg `k` [m]."""
@@ -289,16 +210,6 @@ class Route:
         forward = geodesy.geodesic_forward if great else geodesy.rhumb_forward
         place = self.waypoints[k]
         return np.stack(forward(place.latitude, place.longitude, lines.bearing[k], at), axis=-1)
-
-
-def _checked_name(name: Any) -> str:
-    """A name without spaces at its ends, or ConfigError if XML could not hold it."""
-    if not isinstance(name, str) or len(name) > _LONGEST_NAME or _NO_XML.search(name):
-        raise ConfigError(
-            f"name = {shown(name)}: must be a text of at most {_LONGEST_NAME} characters without "
-            "control characters"
-        )
-    return name.strip()
 
 
 def _turns(lines: geodesy.Line) -> np.ndarray:

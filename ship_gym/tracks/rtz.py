@@ -16,7 +16,8 @@ from ship_gym.charts.geodesy import HIGHEST
 from ship_gym.config import ConfigError, check_number, shown, told_of
 from ship_gym.conventions import KNOT
 from ship_gym.reading import read_xml
-from ship_gym.tracks.route import Leg, Route, Waypoint
+from ship_gym.tracks.route import Route
+from ship_gym.tracks.waypoint import Leg, Waypoint
 from ship_gym.tracks.xml_values import child, children, decimal, needed, number, parted
 from ship_gym.writing import atomic_path
 

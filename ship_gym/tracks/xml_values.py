@@ -70,9 +70,7 @@ def needed(
 def decimal(value: float, unit: float = 1.0) -> str:
     """Shortest text in a unit that is read as the same value, without an exponent."""
     number = value / unit
-    for digits in range(_DIGITS + 1):
-        short = round(number, digits)
-        if short * unit == value:
-            number = short
-            break
-    return np.format_float_positional(number, trim="-")
+    near = [round(number, digits) for digits in range(_DIGITS + 1)]
+    near += [np.nextafter(number, toward) for toward in (-np.inf, np.inf)]
+    same = next((one for one in near if one * unit == value), number)
+    return np.format_float_positional(same, trim="-")

@@ -15,6 +15,7 @@ from ship_gym.cosim.osp import osp_description
 from ship_gym.cosim.values import sea_of, start_values
 from ship_gym.cosim.variables import FLOW, FLOW_OF_TWO, LOADS, OUTPUT, STATES, UNIT_DEFINITIONS
 from ship_gym.physics.waves import WAVE_NAMES
+from ship_gym.sea.spectra import WaveSystem
 from ship_gym.sea.state import irregular_sea, load_sea, regular_sea
 from ship_gym.ships.loader import load_ship
 from ship_gym.simulation import ShipSim
@@ -36,6 +37,8 @@ def test_values_are_those_of_the_simulation_at_every_step():
     assert unit.get("propeller.command") == n
     t = 0.0
     for k, interval in enumerate([0.5, 1.7, 0.013, 3.0, 1.1]):
+        at = sim.state[0, 3], sim.state[0, 4]
+        assert unit.get("wave_elevation.midship") == sim.elevation(*at) != 0.0
         forces, flow = sim.loads_now(np.array([0])) if k else (None, None)
         assert [unit.get(v.name) for v in STATES] == sim.state[0].tolist()
         for name in ("sway", "sway_velocity", "roll", "yaw", "yaw_rate"):
@@ -110,6 +113,31 @@ def test_two_propellers_have_the_flow_of_each():
             {"sea.name": "ss3", "sea.current_speed": 0.7, "sea.current_direction_to": -1.0},
             dataclasses.replace(load_sea("ss3"), current_speed=0.7, current_direction_to=-1.0),
         ),
+        (
+            {
+                "sea.wave_height": 2.0,
+                "sea.wave_period": 7.0,
+                "sea.wave_direction_from": 1.0,
+                "sea.swell_height": 1.5,
+                "sea.swell_direction_from": 3.0,
+                "sea.swell_spreading": 8.0,
+            },
+            dataclasses.replace(
+                irregular_sea(2.0, 7.0, direction_from=1.0),
+                waves=(
+                    WaveSystem(height=2.0, peak_period=7.0),
+                    WaveSystem(height=1.5, peak_period=14.0, direction=2.0, spreading=8.0),
+                ),
+            ),
+        ),
+        (
+            {
+                "sea.name": "current",
+                "sea.current_variation": 0.3,
+                "sea.current_period": 600.0,
+            },
+            dataclasses.replace(load_sea("current"), current_variation=0.3, current_period=600.0),
+        ),
     ],
 )
 def test_seas_of_the_parameters(given, sea):
@@ -142,7 +170,8 @@ def test_a_longest_step_inside_is_kept():
 
 
 def test_a_state_in_json_goes_on_bit_for_bit_in_another_unit():
-    given = {"sea.name": "disturbed_current", "sea.gusts": True, "sea.wind_speed": 8.0, "seed": 11}
+    given = {"sea.current_variation": 0.5, "sea.swell_height": 2.0}
+    given |= {"sea.name": "disturbed_current", "sea.gusts": True, "sea.wind_speed": 8.0, "seed": 11}
     first, other = unit_of(**given), unit_of()
     first.start()
     first.set("rudder.command", -0.2)
@@ -206,6 +235,12 @@ def test_a_refused_step_leaves_the_unit_as_it_was():
         ({"sea.wave_direction_from": 45.0}, "looks like degrees"),
         ({"sea.wave_direction_from": 0.5}, "means nothing without waves"),
         ({"sea.regular": True}, "sea.regular = True: means nothing without sea.wave_height"),
+        ({"sea.swell_direction_from": 0.5}, "means nothing without sea.swell_height"),
+        ({"sea.current_variation": 0.5}, "means nothing without a current"),
+        (
+            {"sea.wave_height": 1.0, "sea.regular": True, "sea.swell_height": 2.0},
+            "sea.swell_height = 2: not beside a regular wave",
+        ),
         ({"sea.current_direction_to": 0.5}, "means nothing without sea.current_speed"),
         ({"sea.gusts": True}, "sea.gusts with wind_speed"),
         ({"start.speed": math.nan}, "start.speed"),
@@ -236,8 +271,6 @@ def test_a_parameter_that_is_none_is_refused():
 
 def test_a_start_with_a_place_gives_latitude_and_longitude():
     pytest.importorskip("pyproj")
-    if not hasattr(pytest.importorskip("ship_gym.charts.chart"), "Chart"):
-        pytest.skip("no charts yet")
     from geographiclib.geodesic import Geodesic
 
     unit = unit_of(**{"start.latitude": 57.7, "start.longitude": 11.85, "start.heading": 1.0})

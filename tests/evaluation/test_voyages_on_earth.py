@@ -22,20 +22,7 @@ FIELD = Path(__file__).parents[2] / "../shared/reference/field"
 CALM = {"sea.states": [], "sea.gusts": False, "sea.current_speed": 0.0, "sensors.noise": False}
 # Three legs off Kiel: north for 1.6 nm, north-east for 1.3 nm, east for 0.9 nm; XTD differs by
 # leg and side, planned radii of 0.4 nm [741 m, 3.2 L]
-HARBOUR = """<?xml version="1.0" encoding="UTF-8"?>
-<route xmlns="http://www.cirm.org/RTZ/1/2" version="1.2">
- <routeInfo routeName="Off Kiel"/>
- <waypoints>
-  <waypoint id="1" name="Pilot"><position lat="54.45" lon="10.25"/></waypoint>
-  <waypoint id="2" radius="0.4"><position lat="54.4767" lon="10.25"/>
-   <leg portsideXTD="0.12" starboardXTD="0.10" geometryType="Loxodrome"/></waypoint>
-  <waypoint id="3" radius="0.4"><position lat="54.492" lon="10.276"/>
-   <leg portsideXTD="0.20" starboardXTD="0.15" geometryType="Orthodrome"/></waypoint>
-  <waypoint id="4" name="Anchorage"><position lat="54.492" lon="10.302"/>
-   <leg portsideXTD="0.10" starboardXTD="0.10" geometryType="Loxodrome"/></waypoint>
- </waypoints>
-</route>
-"""
+HARBOUR = Path(__file__).parents[2] / "docs/examples/kiel.rtz"
 
 
 def on_file(path, **changes):
@@ -44,15 +31,8 @@ def on_file(path, **changes):
 
 
 @pytest.fixture(scope="module")
-def harbour(tmp_path_factory):
-    path = tmp_path_factory.mktemp("route") / "kiel.rtz"
-    path.write_text(HARBOUR)
-    return path
-
-
-@pytest.fixture(scope="module")
-def sailed(harbour):
-    return rollout(ILOS(), "track_following", seeds=[5], overrides=on_file(harbour)).trajectory(0)
+def sailed():
+    return rollout(ILOS(), "track_following", seeds=[5], overrides=on_file(HARBOUR)).trajectory(0)
 
 
 def test_a_short_route_is_sailed_to_its_end_within_the_limits_of_its_legs(sailed):
@@ -86,15 +66,15 @@ def test_its_recording_lies_on_the_earth(sailed):
     assert sum(legs) == pytest.approx(flat, rel=1e-4)
 
 
-def test_a_turn_that_she_cannot_make_is_refused_with_its_way_point(harbour):
+def test_a_turn_that_she_cannot_make_is_refused_with_its_way_point():
     told = r"kiel.rtz.*way-point 1 \(id 2\).*planned radius of 741 m.*920 m.*track.turn_radius = 4"
     with pytest.raises(ConfigError, match=told):
         ShipEnv(
-            scenario="track_following", overrides=on_file(harbour, **{"track.turn_radius": 4.0})
+            scenario="track_following", overrides=on_file(HARBOUR, **{"track.turn_radius": 4.0})
         )
 
 
-def test_geometry_is_of_files_that_do_not_say_it(harbour, tmp_path):
+def test_geometry_is_of_files_that_do_not_say_it(tmp_path):
     file = tmp_path / "line.geojson"
     line = {"type": "LineString", "coordinates": [[5.0, 60.0], [9.5, 60.0]]}
     feature = {"type": "Feature", "properties": {"units": "deg"}, "geometry": line}

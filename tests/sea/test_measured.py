@@ -11,7 +11,8 @@ from ship_gym.config import ConfigError
 from ship_gym.conventions import G
 from ship_gym.sea import Sea, measured_sea
 from ship_gym.sea.components import N_DIRECTIONS, wave_components
-from ship_gym.sea.measured import MeasuredSpectrum, of_directions, of_moments
+from ship_gym.sea.measured import MeasuredSpectrum
+from ship_gym.sea.measured_forms import of_directions, of_moments
 from ship_gym.sea.spectra import WaveSystem, jonswap, spreading
 
 F = np.linspace(0.04, 0.5, 80)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ship_gym.config import ConfigError
-from ship_gym.sea import read_spectrum
+from ship_gym.sea import hdf5_child, read_spectrum, spectrum_netcdf
+from ship_gym.sea.netcdf_values import density_factor
 from ship_gym.sea.spectra import jonswap, spreading
-from ship_gym.sea.spectrum_netcdf import density_factor
 
 xarray = pytest.importorskip("xarray")
 pytest.importorskip("h5netcdf")
@@ -19,6 +19,12 @@ S = 2.0 * np.pi * jonswap(2.0 * np.pi * F, 3.0, 9.0)
 M_0 = np.trapezoid(S, F)
 FROM = 250.0  # waves come from there, so go to 70 deg
 TO = 70.0
+
+
+@pytest.fixture(autouse=True)
+def read_here(monkeypatch):
+    """Files are read by this process, which is faster, but where a test says otherwise."""
+    monkeypatch.setattr(spectrum_netcdf, "can_read_apart", lambda: False)
 
 
 def over(centre, axis=DEG):
@@ -286,4 +292,19 @@ def test_hdf5_whose_data_lie_elsewhere_is_refused(tmp_path):
     with h5py.File(path, "w") as file:
         file.create_dataset("f", (3,), "f8", external=[("/etc/hostname", 0, 24)])
     with pytest.raises(ConfigError, match="another file"):
+        read_spectrum(path)
+
+
+def test_an_hdf5_file_that_keeps_its_library_busy_is_refused_in_time(tmp_path, monkeypatch):
+    """The child is stopped; one that ends by itself without an answer is told of, too."""
+    path = ww3(tmp_path)
+    here = read_spectrum(path, "time=#0, station=#1")
+    monkeypatch.setattr(spectrum_netcdf, "can_read_apart", lambda: True)
+    assert read_spectrum(path, "time=#0, station=#1") == here
+    monkeypatch.setattr(hdf5_child, "LONGEST", 0.01)
+    with pytest.raises(ConfigError, match="does not come back"):
+        read_spectrum(path)
+    monkeypatch.setattr(hdf5_child, "LONGEST", 60.0)
+    monkeypatch.setattr(hdf5_child, "_CALL", "import os; os._exit(9)")
+    with pytest.raises(ConfigError, match="ended with code 9"):
         read_spectrum(path)

@@ -161,6 +161,7 @@ def test_metres_are_east_before_north(written):
         (lines(LINE, 5), "line 1 of the MultiLineString: must be a list"),
         (lines(LINE, LINE), r"line 1 of the MultiLineString begins at \[10.0, 54.0\], line 0 ends"),
         (lines(LINE[:2], [["x", 54.01], LINE[2]]), "line 1 of the MultiLineString begins"),
+        (lines([[0, 0], [180, 9]], [[-180, 9], [-200, 0]], units="m"), "must be the same place"),
         (collection(lines(LINE), line()), "2 lines; wanted is one"),
         ({"type": "Feature", "properties": {}, "geometry": None}, "wanted is one"),
         ({"type": "Feature", "geometry": 5}, '"geometry"'),

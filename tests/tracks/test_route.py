@@ -113,6 +113,23 @@ def test_a_planned_turn_is_an_arc_that_touches_both_legs(turn, radius):
     assert (np.sign(track.course_changes) == math.copysign(1.0, turn)).all()
 
 
+@pytest.mark.parametrize("first", [None, 2000.0])
+def test_arcs_may_take_all_of_a_leg(first):
+    """2 km of leg between turns of 0.5 and 1 rad: the second arc begins where the first ends."""
+    places, bearings = [(54.0, 10.0)], (0.3, 0.8, 1.8)
+    for bearing, length in zip(bearings, (9e3, 2e3, 9e3), strict=True):
+        there = geodesy.rhumb_forward(*places[-1], bearing, length)
+        places.append(tuple(map(float, there)))
+    left = 2e3 - (first or 0.0) * math.tan(0.25)
+    track = route(*places, radii=[None, first, left / math.tan(0.5), None]).track()
+    assert track.leg_lengths.min() > 5.0
+    assert track.course_changes.sum() == pytest.approx(1.5, abs=1e-6)
+    kinks = track.course_changes[1:] if first is None else track.course_changes
+    assert np.degrees(kinks).max() < 5.0
+    with pytest.raises(ConfigError, match="way-point 2: a planned turn of 57 deg"):
+        route(*places, radii=[None, first, left / math.tan(0.5) + 1.0, None]).track()
+
+
 def test_an_arc_between_great_circles_at_60_deg():
     """5 NM of radius: both tangent points lie on the geodesics."""
     made = route(

@@ -9,15 +9,18 @@ from typing import Any
 import click
 
 from ship_gym_agents.cli.options import force, jobs, out, report, ship, verb
-from ship_gym_agents.cli.values import Number
+from ship_gym_agents.cli.values import Number, OwnNumber
 
-_HULL_FILE = ("scale", "forward", "up", "midship", "waterline")
+_HULL_FILE = (
+    "scale", "forward", "up", "midship", "waterline", "flip_normals", "fix_normals", "weld",
+)  # fmt: skip
 
 
 @verb(
     "--ship kcs_model --report",
     "--ship my_ship.toml  # writes waves_my_ship.npz beside it",
     "--ship my_ship.toml --mesh my_hull.stl --scale 0.001",
+    "--ship my_ship.toml --mesh my_hull.gdf --flip-normals --panels own",
     "--ship kcs_model --quick --out runs/coarse.npz",
     "--from runs/waves_kcs_model.npz --report",
 )
@@ -25,13 +28,23 @@ _HULL_FILE = ("scale", "forward", "up", "midship", "waterline")
 @click.option(
     "--mesh",
     type=click.Path(path_type=Path),
-    help="Hull file (STL, OBJ, GDF) instead of the drawn hull.",
+    help="Hull file (GDF, STL, STEP, ...: docs/hulls.md) instead of the drawn hull.",
 )
 @click.option("--scale", type=Number(1e-9, 1e9), default=1.0, help="Metres per unit of --mesh.")
 @click.option("--forward", default="+x", help="Axis of --mesh that points to the bow.")
 @click.option("--up", default="+z", help="Axis of --mesh that points upwards.")
 @click.option("--midship", type=Number(unit="m"), default=0.0, help="Midship in it [m], scaled.")
 @click.option("--waterline", type=Number(unit="m"), default=0.0, help="Its waterline [m], scaled.")
+@click.option("--flip-normals", is_flag=True, help="Its normals point into the hull.")
+@click.option("--fix-normals", is_flag=True, help="Its normals differ: turn them outward.")
+@click.option("--weld", type=Number(0.0, unit="m"), help="Gaps closed in it; default: 1e-4 L.")
+@click.option(
+    "--panels",
+    type=OwnNumber(40, 20000),
+    default=704,
+    show_default=True,
+    help="Panels made of it for both sides; own: as they are.",
+)
 @out(".npz", "Table file; default: waves_<ship>.npz, beside a ship file or in runs.")
 @click.option("--quick", is_flag=True, help="Coarse: 3 speeds, 7 headings, 12 waves.")
 @click.option(
@@ -81,6 +94,10 @@ class Asked:
     up: str
     midship: float
     waterline: float
+    flip_normals: bool
+    fix_normals: bool
+    weld: float | None
+    panels: int | str
     out: Path | None
     quick: bool
     froude: float | None
@@ -105,9 +122,21 @@ def _hull(asked: Asked, ship: Any):
     from ship_gym.seakeeping import hull_file, hull_form
 
     if asked.mesh is None:
+        _check_alone(asked)
         return hull_form.parametric_mesh(ship)
     where = {name: getattr(asked, name) for name in _HULL_FILE}
-    return hull_file.read_hull(asked.mesh, ship, **where)
+    panels = None if asked.panels == "own" else asked.panels
+    return hull_file.read_hull(asked.mesh, ship, panels=panels, **where)
+
+
+def _check_alone(asked: Asked) -> None:
+    """Refuse an option of a hull file where there is none."""
+    from ship_gym.config import ConfigError
+
+    for option in command.params:
+        if option.name in (*_HULL_FILE, "panels"):
+            if getattr(asked, option.name) != option.default and option.default is not None:
+                raise ConfigError(f"{option.opts[0]}: belongs to a hull file: name it with --mesh")
 
 
 def _existing(asked: Asked) -> Made:

@@ -21,11 +21,17 @@ _PARAMETERS = {
     "regular": ("sea.regular", None),
     "spreading": ("sea.spreading", 1.0),
     "wave_from": ("sea.wave_direction_from", math.pi / 180.0),
+    "swell_height": ("sea.swell_height", 1.0),
+    "swell_period": ("sea.swell_period", 1.0),
+    "swell_spreading": ("sea.swell_spreading", 1.0),
+    "swell_from": ("sea.swell_direction_from", math.pi / 180.0),
     "wind_speed": ("sea.wind_speed", 1.0),
     "wind_from": ("sea.wind_direction_from", math.pi / 180.0),
     "gusts": ("sea.gusts", None),
     "current_speed": ("sea.current_speed", 1.0),
     "current_to": ("sea.current_direction_to", math.pi / 180.0),
+    "current_variation": ("sea.current_variation", 1.0),
+    "current_period": ("sea.current_period", 1.0),
     "seed": ("seed", None),
     "speed": ("start.speed", 1.0),
     "heading": ("start.heading", math.pi / 180.0),
@@ -50,12 +56,18 @@ _COMPASS = Number(-360.0, 360.0, "deg")
 @click.option("--regular", is_flag=True, help="These are one regular wave, not JONSWAP.")
 @click.option("--spreading", type=Number(0.0, 100.0), help="s of cos^(2s); 0: long-crested.")
 @click.option("--wave-from", type=_COMPASS, help="Where waves come from [deg]; 0 is north.")
+@click.option("--swell-height", type=Number(0.0, 30.0, "m"), help="Of a swell beside them [m].")
+@click.option("--swell-period", type=Number(0.1, 40.0, "s"), help="Its peak period [s]; 14.")
+@click.option("--swell-spreading", type=Number(0.0, 100.0), help="Its spreading.")
+@click.option("--swell-from", type=_COMPASS, help="Where it comes from [deg].")
 @click.option("--wind-speed", type=Number(0.0, 60.0, "m/s"), help="Instead of the sea's [m/s].")
 @click.option("--wind-from", type=_COMPASS, help="Where wind comes from [deg].")
 @click.option("--gusts", is_flag=True, help="The wind has gusts.")
 @click.option("--current-speed", type=Number(0.0, 10.0, "m/s"), help="Instead of the sea's [m/s].")
 @click.option("--current-to", type=_COMPASS, help="Where this current flows to [deg].")
-@seed("Of waves, gusts and disturbance.", largest=2**31 - 1)
+@click.option("--current-variation", type=Number(0.0, 1.0), help="Share of a slow variation.")
+@click.option("--current-period", type=Number(1.0, 1e6, "s"), help="Period of that [s]; 1800.")
+@seed("Of waves, gusts, current and disturbance.", largest=2**31 - 1)
 @click.option("--speed", type=Number(unit="m/s"), help="At the start [m/s]; default: the ship's.")
 @click.option("--heading", type=_COMPASS, help="At the start [deg]; 0 is north.")
 @click.option("--n", type=Number(unit="rev/s"), help="Propeller; default: self-propulsion [rev/s].")

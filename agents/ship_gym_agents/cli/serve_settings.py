@@ -114,10 +114,11 @@ def told(found: Mapping[str, Any]) -> str:
     """The result for people."""
     now = found["now"]
     where = " and ".join(f"{kind} {address}:{port}" for kind, address, port in found["listened"])
+    heading = round(now["heading_deg"], 1) % 360.0
     lines = [
         f"served on {where}: {found['intervals']} intervals of {found['interval']:g} s, "
         f"ended: {found['ended']}",
-        f"heading {now['heading_deg']:.1f} deg, speed {now['speed']:.2f} m/s, rudder "
+        f"heading {heading:.1f} deg, speed {now['speed']:.2f} m/s, rudder "
         f"{now['rudder_deg']:.1f} deg at {now['time']:.1f} s, steered by a {found['steered_by']}",
     ]
     for name in ("sent", "orders", "ignored", "clients"):
@@ -127,6 +128,7 @@ def told(found: Mapping[str, Any]) -> str:
         lines.append(f"dropped  {each['count']} for {why}, the latest: {each['what']}")
     if found["late_intervals"]:
         lines.append(
-            f"late     {found['late_intervals']} intervals: the machine is too slow for this"
+            f"late     {found['late_intervals']} intervals; {found['speed_up']:g} seconds of the "
+            "ship in one was all"
         )
     return "\n".join(lines)

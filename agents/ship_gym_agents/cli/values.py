@@ -61,6 +61,21 @@ def whole(low: int, high: int) -> Number:
     return Number(low, high, kind=int)
 
 
+class OwnNumber(Number):
+    """A whole number within [low, high], or the word "own"."""
+
+    def __init__(self, low: int, high: int):
+        super().__init__(low, high, kind=int)
+        self.name = "own|integer"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The number of a text, or the word."""
+        return value if value == "own" else super().convert(value, param, ctx)
+
+    def _what(self) -> str:
+        return "whole number, or own"
+
+
 class OutFile(click.ParamType):
     """A file to write: its extension, and that it can be written, are checked before any work.
 

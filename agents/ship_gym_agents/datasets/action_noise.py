@@ -1,8 +1,7 @@
 """Noise on actions: white, or coloured as an Ornstein-Uhlenbeck process; fixed by episode's seed.
 
 A learner that has seen one way of steering only knows nothing of the states beside it. Noise leads
-there: white noise of one interval is mostly swallowed by the steering gear, noise that lasts moves
-the ship.
+there, the further the longer it lasts.
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ import contextlib
 import json
 import os
 import shutil
+import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from ship_gym.writing import atomic_path, check_place, full_disk_named
 VERSION = minari.__version__
 # what an environment of a set may be given
 KWARGS = ("scenario", "ship", "control", "surrogate", "privileged", "overrides", "info")
+_TREES = 3000  # bytes that HDF5 adds to an array
 _FOLDER = "runs/datasets"  # where Minari has no folder of its own by MINARI_DATASETS_PATH
 
 
@@ -86,6 +88,7 @@ class NewSet:
     def add(self, episodes: Sequence[Any], metadata: Sequence[Mapping[str, Any]]) -> None:
         """Append episodes (``sail.Episode``), each with words and numbers of its own."""
         first = self._storage.total_episodes
+        check_room(self.path, sum(map(room_of, episodes)))
         self._storage.update_episodes([_buffer(one) for one in episodes])
         ids = range(first, first + len(episodes))
         self._storage.update_episode_metadata([dict(one) for one in metadata], ids)
@@ -93,6 +96,26 @@ class NewSet:
     def describe(self, metadata: Mapping[str, Any]) -> None:
         """Write metadata of the whole set."""
         self._storage.update_metadata({"minari_version": VERSION, **metadata})
+
+
+def room_of(one: Any) -> int:
+    """Bytes that an episode takes on disk at most: its arrays, each with the trees of HDF5."""
+    arrays = (one.observations, one.actions, one.rewards, one.terminations, one.truncations)
+    arrays += tuple(one.infos.values())
+    return sum(array.nbytes for array in arrays) + _TREES * (len(arrays) + 1)
+
+
+def check_room(folder: Path, size: int) -> None:
+    """Refuse what the disk has no room for: HDF5 ends the whole process where one fills up.
+
+    Room is taken behind what the file of the set holds, and given back at once, so that a quota
+    and a limit of file sizes count as well. Where the system cannot, nothing is refused.
+    """
+    if not hasattr(os, "posix_fallocate"):
+        return
+    file = folder / "data" / "main_data.hdf5"
+    with tempfile.TemporaryFile(dir=folder) as room:
+        os.posix_fallocate(room.fileno(), file.stat().st_size, size)
 
 
 def _buffer(one: Any) -> EpisodeBuffer:

@@ -65,6 +65,11 @@ class Plan:
     infos: bool = True
 
     def __post_init__(self):
+        for name in ("controllers", "noise"):
+            if not isinstance(given := getattr(self, name), tuple | list):
+                raise ConfigError(f"{name} = {shown(given)}: must be a tuple")
+        if isinstance(self.env.get("ship"), Ship):
+            raise ConfigError("ship: the environment of a data set needs its name or file")
         for std in self.noise:
             check_number("noise", std, 0.0, 2.0)
         if not self.noise or len(set(self.noise)) < len(self.noise):

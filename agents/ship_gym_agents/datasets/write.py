@@ -14,7 +14,6 @@ from typing import Any
 import gymnasium as gym
 
 import ship_gym  # noqa: F401  knows the environment ids
-from ship_gym.tasks import TASKS
 from ship_gym_agents.datasets import card as cards
 from ship_gym_agents.datasets.minari_set import VERSION, NewSet, check_free, put_whole, usual_folder
 from ship_gym_agents.datasets.plan import Plan, Prepared, prepared, usual_id
@@ -120,29 +119,29 @@ def _add(new: NewSet, entry: Any, ready: Prepared, progress: Progress) -> dict[s
 def env_spec(ready: Prepared) -> Any:
     """Spec of the environment of a set: the task's id, and arguments that JSON can keep.
 
-    A scenario of the package stays a name; one of a file or a mapping is there in full. Files of
-    ships and routes are absolute paths.
+    A scenario of the package stays a name; one of a file or a mapping, or that names files itself,
+    is there in full, its files as absolute paths.
     """
     spec = copy.deepcopy(gym.spec(ready.task.env_id))
-    scenario = ready.env.get("scenario", ready.task.name)
-    if isinstance(scenario, str) and not scenario.endswith(".toml"):
+    scenario, values = ready.env.get("scenario", ready.task.name), ready.scenario.to_dict()
+    whole = _with_whole_paths(values)
+    if isinstance(scenario, str) and not scenario.endswith(".toml") and whole == values:
         kwargs = {k: v for k, v in ready.env.items() if v not in (None, {}) and k != "scenario"}
         spec.kwargs = {"scenario": scenario, **json.loads(json.dumps(kwargs))}
     else:
-        spec.kwargs = {"scenario": _with_whole_paths(ready.scenario.to_dict())}
+        spec.kwargs = {"scenario": whole}
     spec.kwargs["info"] = "flat"
     spec.max_episode_steps = ready.scenario.steps  # the episode's own; readers of sets ask for it
     return spec
 
 
-def _with_whole_paths(scenario: dict[str, Any]) -> dict[str, Any]:
-    if os.path.isfile(scenario["ship"]):
-        scenario["ship"] = os.path.abspath(scenario["ship"])
-    for name, section in TASKS[scenario["task"]].sections.items():
-        for key in getattr(section, "PATHS", ()):
-            if os.path.isfile(file := scenario[name].get(key) or ""):
-                scenario[name][key] = os.path.abspath(file)
-    return scenario
+def _with_whole_paths(value: Any) -> Any:
+    """Nested values whose texts that name files, by their extension, are absolute paths."""
+    if isinstance(value, Mapping):
+        return {key: _with_whole_paths(one) for key, one in value.items()}
+    if isinstance(value, str) and Path(value).suffix and os.path.isfile(value):
+        return os.path.abspath(value)
+    return value
 
 
 def _metadata(

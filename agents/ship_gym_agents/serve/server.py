@@ -11,7 +11,7 @@ from typing import Any
 
 from ship_gym.charts import Chart
 from ship_gym_agents.serve.counts import Counts
-from ship_gym_agents.serve.instruments import plain
+from ship_gym_agents.serve.instruments import Seen, plain
 from ship_gym_agents.serve.nmea import Dropped, made, read
 from ship_gym_agents.serve.orders import Order, order_of
 from ship_gym_agents.serve.ports import Line, Ports
@@ -23,6 +23,7 @@ EPOCH = datetime.datetime(2026, 1, 1, tzinfo=datetime.UTC)  # of a voyage in loc
 _MOST_ORDERS = 1000  # that wait in lockstep
 _BEHIND = 1.0  # [s] that the clock may run ahead of the ship; what is more is not made up for
 _LISTEN = 3600.0  # [s] of one wait
+_PLACED, _ON_ROUTE = {"RMC", "GGA"}, {"XTE", "APB"}  # sentences with a place, and with a leg
 
 
 class Server:
@@ -87,6 +88,8 @@ class Server:
         self._last: list[str] = []  # sentences of this instant
         self._stopped = False
         self.counts, self.sailed, self.why = Counts(), 0, "end of time"
+        self._began = self._ended = 0.0
+        chart.place(0.0, 0.0)  # loads what it needs now, and not while a clock runs
 
     def stop(self) -> None:
         """End after this interval; may be called by a handler of a signal."""
@@ -95,7 +98,13 @@ class Server:
 
     def run(self, progress: Callable[[Iterable], Iterable] = iter) -> None:
         """Sail to the end of the voyage, to `stop`, or until lockstep loses its patience."""
-        begun = time.monotonic()
+        try:
+            self._run(progress)
+        finally:
+            self._ended = time.monotonic()
+
+    def _run(self, progress: Callable[[Iterable], Iterable]) -> None:
+        self._began = begun = time.monotonic()
         per_interval = self._vessel.interval / self._speed_up
         for k in progress(range(self._vessel.steps)):
             self._say()
@@ -165,23 +174,35 @@ class Server:
 
     def _say(self) -> None:
         """Send what is due of the instruments."""
+        due = [kind for kind, every in self._every.items() if self.sailed % every == 0]
         now = self._vessel.seen()
-        leg = None if self._voyage is None else self._voyage.at(now)
-        place = self._chart.place(now.north, now.east, None if leg is None else self._voyage.leg)
-        utc = self._start + datetime.timedelta(seconds=now.time)
-        fix = Fix(now, *map(float, place), utc, leg, self._simulated)
+        if self._voyage is not None:
+            self._voyage.follow(now)
+        fix = self._fix(now, due)
         self._last = []
-        for kind, every in self._every.items():
-            if self.sailed % every == 0:
-                for fields in sentences_of(kind, fix):
-                    self._last.append(made(self._talkers[kind], kind, fields))
-                    self.counts.sent[kind] += 1
+        for kind in due:
+            for fields in sentences_of(kind, fix):
+                self._last.append(made(self._talkers[kind], kind, fields))
+                self.counts.sent[kind] += 1
         self._ports.send(self._last)
+
+    def _fix(self, now: Seen, due: list[str]) -> Fix:
+        """What is said of an instant; geodesy only where a sentence needs it."""
+        place, leg = (0.0, 0.0), None
+        if not _PLACED.isdisjoint(due):
+            on = None if self._voyage is None else self._voyage.leg
+            place = self._chart.place(now.north, now.east, on)
+        if self._voyage is not None and not _ON_ROUTE.isdisjoint(due):
+            leg = self._voyage.at(now)
+        utc = self._start + datetime.timedelta(seconds=now.time)
+        return Fix(now, float(place[0]), float(place[1]), utc, leg, self._simulated)
 
     def plain(self) -> dict[str, Any]:
         """Statistics for JSON."""
-        vessel = self._vessel
+        vessel, seconds = self._vessel, self._ended - self._began
         found = {"intervals": self.sailed, "interval": vessel.interval, "ended": self.why}
+        found["seconds"] = round(seconds, 3)
+        found["speed_up"] = round(self.sailed * vessel.interval / max(seconds, 1e-3), 2)
         refused = {key: count for key, count in self._ports.refused.items() if count}
         counted = self.counts.plain()
         counted["clients"] |= refused

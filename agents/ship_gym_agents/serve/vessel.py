@@ -24,6 +24,7 @@ from ship_gym_agents.serve.orders import HEADING, RUDDER, Order
 
 TASK = "heading_keeping"
 _LONGEST = 1e6  # full-scale seconds that a scenario may take
+_INTERVALS = 0.05, 60.0  # full-scale seconds, as a scenario takes them
 _ONE = np.array([0])
 
 
@@ -151,7 +152,8 @@ def _scenario(
     unit = ship.time_unit
     step = scenario.control_interval
     if interval is not None:
-        check_number("interval", interval * unit, 0.05, 60.0, "full-scale s")
+        low, high = (limit / unit for limit in _INTERVALS)
+        check_number("interval", interval, low * (1.0 - 1e-9), high, "s")
         step = interval * unit
     longest = int(_LONGEST / step)
     steps = longest if duration is None else max(1, math.ceil(duration * unit / step - 1e-9))

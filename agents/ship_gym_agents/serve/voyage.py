@@ -63,14 +63,15 @@ class Voyage:
         self._ends = ends_of(track)
         self.leg = 0  # of the plane
 
-    def at(self, now: Seen) -> OnLeg:
-        """Where she is now; call it at every instant."""
-        axes = self._axes(now, self.leg)
-        while self.leg < len(self._points) - 2 and self._is_over(now, axes):
+    def follow(self, now: Seen) -> None:
+        """Take the next leg where the active one is over; call it at every instant."""
+        while self.leg < len(self._points) - 2 and self._is_over(now):
             self.leg += 1
-            axes = self._axes(now, self.leg)
+
+    def at(self, now: Seen) -> OnLeg:
+        """Where she is on the active leg."""
         (x_a, y_a), (x_b, y_b) = self._points[self.leg : self.leg + 2]
-        bearing, cross = math.atan2(y_b - y_a, x_b - x_a), axes[1]
+        bearing, cross = math.atan2(y_b - y_a, x_b - x_a), self._axes(now, self.leg)[1]
         name, latitude, longitude = self._ends[self.leg]
         here = self._chart.place(now.north, now.east, self.leg)
         there = rhumb(*here, latitude, longitude)
@@ -87,8 +88,8 @@ class Voyage:
     def _axes(self, now: Seen, leg: int) -> tuple[float, float, float]:
         return leg_axes(now.north, now.east, *self._points[leg], *self._points[leg + 1])
 
-    def _is_over(self, now: Seen, axes: tuple[float, float, float]) -> bool:
-        along, cross, length = axes
+    def _is_over(self, now: Seen) -> bool:
+        along, cross, length = self._axes(now, self.leg)
         return bool(passed(length - along, self._axes(now, self.leg + 1)[0], cross, 0.0))
 
 

@@ -1,7 +1,10 @@
 """Data sets: what is in them is what the environments do, and what is read is what was written."""
 
 import json
+import shutil
 import socket
+import sys
+from pathlib import Path
 
 import gymnasium as gym
 import numpy as np
@@ -11,12 +14,15 @@ from ship_gym_agents import make_controller
 import ship_gym
 from ship_gym.config import ConfigError
 from ship_gym.evaluation import rollout
+from ship_gym.ships import load_ship
 
 minari = pytest.importorskip("minari")
 
 from ship_gym_agents.datasets import Plan, load_set, read_set, select, write_set  # noqa: E402
 from ship_gym_agents.datasets import write as writing  # noqa: E402
 from ship_gym_agents.datasets.action_noise import action_noise  # noqa: E402
+from ship_gym_agents.datasets.minari_set import room_of  # noqa: E402
+from ship_gym_agents.datasets.plan import prepared  # noqa: E402
 from ship_gym_agents.datasets.sail import batches, sail  # noqa: E402
 
 SHORT = {"overrides": {"duration": 60.0}}
@@ -229,6 +235,9 @@ def test_noise_reaches_the_rudder(tmp_path):
     ("plan", "words"),
     [
         ({"noise": (-0.1,)}, "noise = -0.1: allowed is 0 to 2"),
+        ({"noise": 0.1}, "noise = 0.1: must be a tuple"),
+        ({"controllers": "pid"}, "controllers = 'pid': must be a tuple"),
+        ({"env": {"ship": load_ship("kcs")}}, "needs its name or file"),
         ({"noise": (0.1, 0.1)}, "must be different numbers"),
         ({"episodes": 0}, "episodes = 0: allowed is 1 to"),
         ({"controllers": ("pit",)}, "did you mean 'pid'"),
@@ -300,6 +309,31 @@ def test_what_a_killed_writer_left_is_removed_and_one_at_a_time_writes(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["pid-v0"]
 
 
+def test_the_room_that_is_asked_for_is_enough_and_not_twice_too_much(dataset, folder):
+    file = folder / NAME / "data" / "main_data.hdf5"
+    asked = sum(map(room_of, dataset))
+    assert file.stat().st_size < asked < 2 * file.stat().st_size
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of files as on Linux")
+def test_a_disk_that_fills_up_is_one_line_and_leaves_nothing(tmp_path):
+    """HDF5 itself ends the whole process then."""
+    import resource
+    import signal
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    plan = Plan(("pid", "lqg"), episodes=2, env=SHORT)
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, before[1]))
+        with pytest.raises(OSError, match="file too large; nothing was written to it"):
+            write_set(plan, tmp_path / "new")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, ignored)
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize(
     ("key", "value", "words"),
     [
@@ -314,8 +348,6 @@ def test_what_a_killed_writer_left_is_removed_and_one_at_a_time_writes(tmp_path)
     ],
 )
 def test_a_set_of_others_is_one_line_and_runs_nothing(folder, tmp_path, key, value, words):
-    import shutil
-
     shutil.copytree(folder / NAME, tmp_path / "set")
     file = tmp_path / "set" / "data" / "metadata.json"
     told = json.loads(file.read_text())
@@ -337,6 +369,23 @@ def test_a_set_that_is_not_there_names_the_nearest(folder):
         load_set("other/y-v0", folder)
 
 
+def test_files_that_a_scenario_names_are_found_from_another_folder(tmp_path, monkeypatch):
+    way = {"type": "LineString", "coordinates": [[0, 0], [0, 5000], [2000, 9000]], "units": "m"}
+    (tmp_path / "way.geojson").write_text(json.dumps(way))
+    shipped = Path(ship_gym.__file__).parent / "ships" / "data" / "kcs"
+    shutil.copytree(shipped, tmp_path / "mine")
+    monkeypatch.chdir(tmp_path)
+    overrides = {"track.kind": "points", "track.file": "way.geojson"}
+    env = {"scenario": "track_following", "overrides": overrides}
+    spec = writing.env_spec(prepared(Plan(("drift_los",), env=env)))
+    assert spec.kwargs["scenario"]["track"]["file"] == str(tmp_path / "way.geojson")
+    spec = writing.env_spec(
+        prepared(Plan(("pid@kcs",), env={"ship": "mine/ship.toml"}, expert="pid@kcs"))
+    )
+    assert spec.kwargs["scenario"] == "heading_keeping"
+    assert spec.kwargs["ship"] == str(tmp_path / "mine" / "ship.toml")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("controller", "env"),
@@ -344,6 +393,7 @@ def test_a_set_that_is_not_there_names_the_nearest(folder):
         ("lqg", {"scenario": "course_changing", "ship": "kvlcc2"}),
         ("drift_los", {"scenario": "track_following", "ship": "onrt"}),
         ("economy_kcs", {}),
+        ("pid", {"control": "rudder+rpm", "privileged": True}),
     ],
 )
 def test_other_tasks_ships_and_policies(tmp_path, controller, env):
