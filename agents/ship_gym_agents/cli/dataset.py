@@ -78,27 +78,19 @@ def command(
     from ship_gym_agents.cli.sailing import own_task, resolved
     from ship_gym_agents.datasets import Plan, write_set
 
-    task_name = own_task(task)
     if "" in controllers:
         raise click.UsageError("--controllers: nothing to sail; name at least one")
-    plan_keys = ("noise_time", "episodes", "seed", "expert")
-    own = {key: given[key] for key in plan_keys}
-    env = _env(
-        {k: v for k, v in given.items() if k not in (*plan_keys, "noise")}, task_name, controllers
-    )
-    resolved(env, task_name)
-    plan = Plan(
-        tuple(controllers), tuple(given["noise"]) or (0.0,), env=env, infos=not no_infos, **own
-    )
+    own = {key: given.pop(key) for key in ("noise_time", "episodes", "seed", "expert")}
+    noise = tuple(given.pop("noise")) or (0.0,)
+    task = own_task(task)
+    env = _env(given, task, controllers)
+    resolved(env, task)
+    plan = Plan(tuple(controllers), noise, env=env, infos=not no_infos, **own)
     about = {"author": author, "email": email, "license": license}
     made = write_set(plan, out, name, **about, force=force, progress=progress)
-    data = {"name": made.name, "folder": str(made.path), "card": made.card}
     following = f'python -c "{_python(made)}"'
-    show(
-        as_json,
-        {**data, "next": following},
-        f"{_text(made.card)}\n\nwrote {made.path}\nnext: {following}",
-    )
+    data = {"name": made.name, "folder": str(made.path), "card": made.card, "next": following}
+    show(as_json, data, f"{_text(made.card)}\n\nwrote {made.path}\nnext: {following}")
 
 
 def _env(options: Mapping[str, Any], task: str | None, controllers: tuple[str, ...]) -> dict:
@@ -112,18 +104,16 @@ def _env(options: Mapping[str, Any], task: str | None, controllers: tuple[str, .
 def _python(made: Any) -> str:
     return (
         "from ship_gym_agents.datasets import load_set; "
-        f"print(load_set('{made.name}', '{made.folder}')[0])"
+        f"print(load_set({made.name!r}, {str(made.folder)!r})[0])"
     )
 
 
 def _text(card: Mapping[str, Any]) -> str:
     from ship_gym.text import table
-    from ship_gym_agents.datasets.card import HEADER, cells
+    from ship_gym_agents.datasets.card import HEADER, cells, scores_in_words
 
-    scores = card["reference_scores"]
     return (
         f"{card['dataset_id']}: {card['steps']} steps, {card['episodes']} episodes, ship "
         f"{card['ship']}\n{table(HEADER, [cells(row) for row in card['entries']])}\n"
-        f"normalised: 0 is the mean return of random actions ({scores['random']:.5g}), 1 that of "
-        f"{scores['expert_name']} ({scores['expert']:.5g})"
+        f"{scores_in_words(card)}"
     )

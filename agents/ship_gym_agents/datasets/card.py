@@ -128,7 +128,7 @@ def _about(named: str) -> dict[str, Any]:
 
 def markdown(card: Mapping[str, Any]) -> str:
     """The card for people."""
-    seeds, scores, env = card["seeds"], card["reference_scores"], card["environment"]
+    seeds, env = card["seeds"], card["environment"]
     made = ", ".join(f"{key} {value}" for key, value in card["versions"].items())
     text = [
         f"Author: {card['author']}. License: {card['license']}.",
@@ -136,9 +136,7 @@ def markdown(card: Mapping[str, Any]) -> str:
         f"Seeds {seeds['first']} to {seeds['last']}, split {seeds['split']}. With these versions "
         "`env.reset(seed=seed)` and an episode's actions give that episode again, bit for bit.",
         f"Actions are float32 in [-1, 1], as the environment got them. {_noise_in_words(card)}",
-        "Scores 0 and 1 of `minari.get_normalized_score` are the mean returns of random actions, "
-        f"{scores['random']:.6g}, and of {scores['expert_name']}, {scores['expert']:.6g}, over "
-        f"{scores['episodes']} episodes, seeds {scores['seeds'][0]} to {scores['seeds'][1]}.",
+        scores_in_words(card),
         "Failed: ended at a limit of the scenario, or the ship is none any more.",
         f"Made by commit {card['git_commit']} with {made}.",
     ]
@@ -153,6 +151,20 @@ def markdown(card: Mapping[str, Any]) -> str:
             ]
         )
         + "\n"
+    )
+
+
+def scores_in_words(card: Mapping[str, Any]) -> str:
+    """What the normalised scores 0 and 1 are."""
+    scores = card["reference_scores"]
+    first, last = scores["seeds"]
+    random, expert = f"random actions ({scores['random']:.5g})", scores["expert_name"]
+    expert = f"{expert} ({scores['expert']:.5g}), {scores['episodes']} episodes"
+    if scores["expert"] <= scores["random"]:
+        return f"No normalised scores: {random} earn as much as {expert}."
+    return (
+        f"Normalised scores: 0 is the mean return of {random}, 1 that of {expert} each, seeds "
+        f"{first} to {last}."
     )
 
 

@@ -146,6 +146,7 @@ def put_whole(path: Path, folder: Path) -> Iterator[Path]:
     """
     work = path.with_name(f".{path.name}.ship_gym.tmp")
     with full_disk_named(path), held(path, "writes this data set"):
+        _put_back(work / "old", path)
         shutil.rmtree(work, ignore_errors=True)
         work.mkdir()
         try:
@@ -160,6 +161,13 @@ def put_whole(path: Path, folder: Path) -> Iterator[Path]:
             raise
         finally:
             shutil.rmtree(work, ignore_errors=True)
+
+
+def _put_back(old: Path, path: Path) -> None:
+    """Put back what a writer had put aside for its own when it was killed, and say so."""
+    if old.exists() and not path.exists():
+        old.rename(path)
+        raise ConfigError(f"{path}: put aside by a writer that was killed; it is back, start again")
 
 
 def _name_spaces(path: Path, folder: Path) -> None:

@@ -29,7 +29,7 @@ _TRACK, _SHIP = (200, 60, 160), (220, 40, 40)
 
 
 def send_map(out: Output, trajectory: Trajectory, length: float, chosen) -> rrb.MapView | None:
-    """Send the map and return its view; None of a run without a chart or that is on, or no pyproj."""
+    """Send the map and return its view; None without a chart, while it runs, or without pyproj."""
     known = out.area is None and find_spec("pyproj") is not None  # else the rest is shown without
     chart = chart_of(trajectory) if known else None
     if chart is None:

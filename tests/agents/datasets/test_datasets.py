@@ -148,6 +148,7 @@ def test_no_score_where_the_expert_is_no_better_than_chance(tmp_path):
     made = write_set(plan, tmp_path)
     assert made.card["reference_scores"]["expert"] < made.card["reference_scores"]["random"]
     assert made.card["entries"][0]["normalised_mean"] is None
+    assert "No normalised scores" in (made.path / "README.md").read_text()
     assert "ref_max_score" not in load_set(made.name, tmp_path).storage.metadata
 
 
@@ -307,6 +308,11 @@ def test_what_a_killed_writer_left_is_removed_and_one_at_a_time_writes(tmp_path)
         write_set(plan, tmp_path, "pid-v0")
     write_set(plan, tmp_path, "pid-v0")
     assert [path.name for path in tmp_path.iterdir()] == ["pid-v0"]
+    left.parent.mkdir()
+    (tmp_path / "pid-v0").rename(left.parent / "old")  # killed between two renames
+    with pytest.raises(ConfigError, match="it is back"):
+        write_set(plan, tmp_path, "pid-v0")
+    assert len(load_set("pid-v0", tmp_path)) == 1
 
 
 def test_the_room_that_is_asked_for_is_enough_and_not_twice_too_much(dataset, folder):
@@ -369,6 +375,7 @@ def test_a_set_that_is_not_there_names_the_nearest(folder):
         load_set("other/y-v0", folder)
 
 
+@pytest.mark.slow
 def test_files_that_a_scenario_names_are_found_from_another_folder(tmp_path, monkeypatch):
     way = {"type": "LineString", "coordinates": [[0, 0], [0, 5000], [2000, 9000]], "units": "m"}
     (tmp_path / "way.geojson").write_text(json.dumps(way))
