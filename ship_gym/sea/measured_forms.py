@@ -9,6 +9,8 @@ import numpy as np
 from ship_gym.config import ConfigError, shown
 from ship_gym.sea.measured import MeasuredSpectrum, bin_width
 
+LONGEST_R_1 = 1.02  # of a mean unit vector of rounded numbers; none is above 1
+
 
 def of_directions(frequency, direction, density) -> MeasuredSpectrum:
     """A two-dimensional spectrum.
