@@ -17,6 +17,7 @@ from ship_gym.ships.particulars import Ship
 
 _VOLUME = 0.05  # largest difference from the ship file
 _LENGTH, _MIDDLE, _DRAUGHT = 0.15, 0.08, 0.15  # by L, by L, by d: wrong units, origin, waterline
+_BOTH, _ASIDE = 0.75, 0.05  # by B: wide enough for both sides, and not centred
 _CENTRE = 0.01  # by L: centre of buoyancy of a hull that may lie the wrong way round
 _TOLERANCE = 1e-5  # by L: of what lies in the waterline or the centre plane
 _CLOSED = 1e-3  # of the volume along x, y and z, and of the area seen along x and y
@@ -63,6 +64,13 @@ def check_place(points: np.ndarray, ship: Ship, name: str, placed: Placed) -> No
             f"{name}: the hull's middle lies {middle:.4g} m forward of midship; give "
             "--midship, the middle between the perpendiculars in the file, about "
             f"{placed.midship + middle:.6g}"
+        )
+    low, high = wet[:, 1].min(), wet[:, 1].max()
+    aside, B = float(0.5 * (low + high)), ship.hull.B
+    if high - low > _BOTH * B and abs(aside) > _ASIDE * B:
+        raise ConfigError(
+            f"{name}: its centre plane lies {abs(aside):.4g} m to "
+            f"{'starboard' if aside > 0.0 else 'port'} of zero: move it there in a mesh editor"
         )
 
 
