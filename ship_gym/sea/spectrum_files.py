@@ -25,7 +25,7 @@ import numpy as np
 from ship_gym.config import ConfigError, nearest, shown, told_of
 from ship_gym.plain_csv import PlainCsv, read_plain_csv
 from ship_gym.sea.measured import MeasuredSpectrum
-from ship_gym.sea.measured_forms import LONGEST_R_1, of_directions, of_moments
+from ship_gym.sea.measured_forms import LONGEST_R_1, of_directions, of_moments, r_1_of
 
 WAYS = ("from", "to")
 _NETCDF = (".nc", ".nc3", ".nc4", ".cdf", ".netcdf")
@@ -98,19 +98,6 @@ def read_again(path: str | Path, pick: str = "", directions: str = "") -> Measur
 @functools.lru_cache(maxsize=16)
 def _kept(path: str, pick: str, directions: str, *_: int) -> MeasuredSpectrum:
     return read_spectrum(path, pick, directions)
-
-
-def r_1_of(spread: np.ndarray) -> np.ndarray:
-    """Length of the mean unit vector by the spread sqrt(2 (1 - r)) of a buoy [rad]."""
-    return 1.0 - 0.5 * np.asarray(spread) ** 2
-
-
-def check_spread(spread: np.ndarray) -> np.ndarray:
-    """Refuse spreads [rad] that no directions have, which reach sqrt(2)."""
-    for value in spread[~((spread >= 0.0) & (spread <= math.sqrt(2.0)))]:
-        deg = math.degrees(value)
-        raise ConfigError(f"spread = {deg:.4g} deg: allowed is 0 to 81 deg (1.414 rad)")
-    return spread
 
 
 def _read_csv(path: str | Path) -> MeasuredSpectrum:

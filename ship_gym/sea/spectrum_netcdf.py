@@ -27,7 +27,7 @@ import numpy as np
 from ship_gym.config import ConfigError, nearest, shown, told_of
 from ship_gym.sea.hdf5_child import can_read_apart, read_apart
 from ship_gym.sea.measured import MeasuredSpectrum
-from ship_gym.sea.measured_forms import of_directions, of_moments
+from ship_gym.sea.measured_forms import check_spread, of_directions, of_moments, r_1_of
 from ship_gym.sea.netcdf_file import check_installed, is_hdf5, open_netcdf
 from ship_gym.sea.netcdf_values import (
     angles,
@@ -40,7 +40,7 @@ from ship_gym.sea.netcdf_values import (
     standard_name,
     way_of,
 )
-from ship_gym.sea.spectrum_files import check_spread, r_1_of, to_way
+from ship_gym.sea.spectrum_files import to_way
 
 _DENSITY_2 = ("sea_surface_wave_directional_variance_spectral_density",)
 _DENSITY_1 = ("sea_surface_wave_variance_spectral_density",)
