@@ -104,6 +104,20 @@ def test_symmetries_of_a_gdf_file_are_unfolded(tmp_path, symmetries, share):
     assert ((a + b + c + d)[:, 2] / 4 @ n[:, 2]) == pytest.approx(share * 20 * 5 * 4)
 
 
+def test_a_nemoh_file_whose_first_list_has_no_end_names_its_last_line(tmp_path):
+    lines = ["2 0", "1 0 0 0", "2 1 0 0", "3 1 1 0", "1 2 3 3", "0 0 0 0"]  # no 0 behind vertices
+    with pytest.raises(ConfigError, match=r"hull.mar:6: the file ends: needed are four corners"):
+        read_hull(written(tmp_path / "hull.mar", lines), SHIP)
+
+
+def test_a_gdf_file_of_fortran_in_double_precision(tmp_path):
+    lines = ["box", "1 9.81", "1 1", "3", *rows(quarter().reshape(-1, 3))]
+    double = [*lines[:4], *(" ".join(f"{float(w):.3E}".replace("E", "D") for w in line.split())
+                            for line in lines[4:])]  # fmt: skip
+    plain, other = (read_gdf(written(tmp_path / "box.gdf", some)) for some in (lines, double))
+    np.testing.assert_array_equal(plain[0], other[0])
+
+
 @pytest.mark.parametrize(
     ("number", "line", "words"),
     [
@@ -243,6 +257,8 @@ def test_what_is_no_surface_is_refused(tmp_path):
     meshio.write(path, meshio.Mesh(np.eye(4, 3), [("tetra", [[0, 1, 2, 3]])]))
     with pytest.raises(ConfigError, match=r"hull.vtk: holds tetra: allowed are triangles and quad"):
         read_hull(path, SHIP)
+    with pytest.raises(ConfigError, match=r"hull.3ds: suffix '.3ds': allowed are .gdf, .mar"):
+        read_hull(written(tmp_path / "hull.3ds", ["1 2 3"]), SHIP)
     with pytest.raises(ConfigError, match=r"hull.ele: .ele holds no surface"):
         read_hull(written(tmp_path / "hull.ele", ["1 2 3"]), SHIP)
 
