@@ -19,6 +19,7 @@ from ship_gym.text import WIDTH
 from ship_gym.writing import atomic_path
 
 MARK = "# Fitted by `ship-gym fit-hull`"
+STATUS = "numbers fitted to tests, see the head of this file and their sources; not validated"
 _DIGITS = 6
 _SECTION = re.compile(r"\s*\[([^\[\]]+)\]\s*(#.*)?$")
 _SAME = 1e-4  # of a number; the file holds `_DIGITS` digits
@@ -75,6 +76,8 @@ def ship_text(text: str, fitted: Ship, sources: Mapping[str, str]) -> str:
         if name in values and "=" in line:
             line = _entry(fitted, name, values[name], sources[name])
             open_names.remove(name)
+        elif name == ".status" and "=" in line:
+            line = f'status = "{STATUS}"'
         made.append(line)
     for name in reversed(open_names):
         section = name.partition(".")[0]

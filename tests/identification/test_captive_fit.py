@@ -18,6 +18,7 @@ from ship_gym.identification.estimate import solve
 from ship_gym.identification.numbers import full_names, values_of, with_values
 from ship_gym.identification.report import as_dict, as_text
 from ship_gym.identification.ship_text import write_ship
+from ship_gym.identification.unseen import sail_trials
 from ship_gym.ships import load_ship
 
 SHIP = load_ship("kvlcc2_model")
@@ -148,7 +149,7 @@ def test_the_ship_file_comes_back_and_names_its_source(tmp_path):
     write_ship(path, "kvlcc2_model", TRUE, sources, ["16 numbers."])
     ship = load_ship(path)
     assert values_of(ship, NAMES) == pytest.approx(values_of(TRUE, NAMES), rel=1e-5)
-    assert ship.sources["hull.Y_v"] == "own runs, number 4"
+    assert ship.sources["hull.Y_v"] == "own runs, number 4" and "fitted" in ship.status
     assert dataclasses.replace(ship.rudder) == SHIP.rudder and ship.trials == SHIP.trials
     # a ship that scales another: its numbers are put into sections of its own
     scaled = tmp_path / "full.toml"
@@ -193,3 +194,24 @@ def test_pure_sway_of_hmri_agrees_with_its_static_drift():
     for column, out in ((5, 14), (6, 21)):  # Y', N' and Y_out', N_out'
         static = float(np.mean(drift[near, column] / v))
         assert sway[out] / amplitude == pytest.approx(static, rel=0.12)
+
+
+def test_the_shipped_fit_sails_and_says_what_was_fitted_to_what():
+    path = Path(__file__).parents[2] / "docs" / "examples" / "kvlcc2_hmri" / "ship.toml"
+    ship = load_ship(path)
+    assert "standard error" in ship.sources["hull.N_r"] and "hmri" in path.read_text()
+    left = [ship.propeller, ship.rudder, ship.gear]
+    assert left == [SHIP.propeller, SHIP.rudder, SHIP.gear]
+    found = sail_trials(SHIP, ship)
+    assert len(found.found) == 23 and "Mean difference" in found.sentence()
+    advance = found.found[0]
+    assert advance.row.computed == pytest.approx(3.02, abs=0.02)  # MARIN: 3.09
+    assert advance.before.computed == pytest.approx(3.31, abs=0.02)
+
+
+@needs_hmri
+def test_the_shipped_fit_is_that_of_the_tests():
+    tests = ("static_drift_rudder", "static_rudder", "pure_yaw", "yaw_with_drift")
+    fit = fit_captive(SHIP, [HMRI / f"hmri_{test}_test.csv" for test in tests])
+    path = Path(__file__).parents[2] / "docs" / "examples" / "kvlcc2_hmri" / "ship.toml"
+    assert values_of(load_ship(path), NAMES) == pytest.approx(fit.estimate.values, rel=1e-4)

@@ -31,11 +31,14 @@ X [-], Y [-], N [-], thrust T [-], or their harmonics, Y_in [-], Y_out [-], Y_in
     cls=Several,
     help="Numbers to fit, as Y_v or rudder.a_H; default: the hull's 16 derivatives.",
 )
+@click.option(
+    "--trials", is_flag=True, help="Sail the trials of the ship file, before and after: unseen."
+)
 @out(".toml", "Ship file; default: runs/fit_hull/<ship>/ship.toml.")
 @out(".md", "Also write the report as a page.", "--page")
 @out(".png", "Also draw measured over computed and the residuals.", "--plot")
 @force()
-def command(as_json, ship, captive, numbers, out, page, plot, force) -> None:
+def command(as_json, ship, captive, numbers, trials, out, page, plot, force) -> None:
     """Fit a ship's hull derivatives to captive tests; write the fitted ship.
 
     Linear least squares of the MMG derivatives with standard errors; propeller, rudder and masses
@@ -58,15 +61,17 @@ def command(as_json, ship, captive, numbers, out, page, plot, force) -> None:
     place = _place(out, before)
     found = fit_captive(before, captive, numbers or USUAL, each=lambda x: progress(x, "fitting"))
     _write_ship(place, base, found)
+    unseen = _unseen(before, found.fitted) if trials else None
     if page:
-        _write_page(page, found)
+        _write_page(page, f"{report.as_text(found, True)}{_told(unseen, True)}")
     if plot:
         from ship_gym.plotting.fit_hull import plot_fit
 
         plot_fit(found, plot)
     files = [str(path) for path in (place, page, plot) if path]
-    text = f"{report.as_text(found)}\nwrote {', '.join(files)}\n{_following(place)}"
-    show(as_json, report.as_dict(found) | {"files": files}, text)
+    wrote = f"\nwrote {', '.join(files)}\n{_following(place)}"
+    data = report.as_dict(found) | {"unseen": unseen and unseen.as_dict(), "files": files}
+    show(as_json, data, f"{report.as_text(found)}{_told(unseen, False)}{wrote}")
 
 
 def _place(out: Path | None, ship: Any) -> Path:
@@ -88,17 +93,31 @@ def _write_ship(path: Path, base: Any, found: Any) -> None:
     write_ship(path, base, found.fitted, report.source_of(found), report.told_of(found))
 
 
-def _write_page(path: Path, found: Any) -> None:
-    from ship_gym.identification import report
+def _unseen(before: Any, fitted: Any) -> Any:
+    """The trials of the ship file, before and after."""
+    from ship_gym.identification.unseen import sail_trials
+    from ship_gym_agents.cli.output import progress
+
+    return sail_trials(before, fitted, lambda x: progress(x, "sailing"))
+
+
+def _told(unseen: Any, markdown: bool) -> str:
+    """Table and sentence of the trials; empty without them."""
+    if unseen is None:
+        return ""
+    return f"\n\n{unseen.table(markdown)}\n\n{unseen.sentence()}"
+
+
+def _write_page(path: Path, body: str) -> None:
     from ship_gym.writing import atomic_path
 
     note = "<!-- Written by `ship-gym fit-hull`; run it again instead of editing. -->"
     with atomic_path(path) as temporary:
-        text = f"{note}\n# Hull derivatives from captive tests\n\n{report.as_text(found, True)}\n"
+        text = f"{note}\n# Hull derivatives from captive tests\n\n{body}\n"
         temporary.write_text(text, encoding="utf-8")
 
 
 def _following(place: Path) -> str:
     from ship_gym_agents.cli.output import next_command
 
-    return f"next: {next_command('simulate trials', ship=place)}"
+    return f"next: {next_command('simulate', ship=place)}"
