@@ -106,7 +106,7 @@ def solve(
     ConfigError
         Rows that do not tell the numbers apart, or too few of them.
     """
-    _check_told(names, jacobian)
+    check_told(names, jacobian)
     sigma = dict.fromkeys(np.unique(groups).tolist(), 1.0)
     for _ in range(_ROUNDS):
         weight = np.array([1.0 / sigma[g] for g in groups.tolist()])
@@ -134,15 +134,15 @@ def spread(
     return errors, correlation, condition
 
 
-def _check_told(names: Sequence[str], jacobian: np.ndarray) -> None:
+def check_told(names: Sequence[str], jacobian: np.ndarray) -> None:
     """Refuse numbers of which the data say nothing, alone or together."""
     size = np.linalg.norm(jacobian, axis=0)
     silent = [name for name, s in zip(names, size, strict=True) if s <= 1e-12]
     if silent:
-        raise ConfigError(f"no run tells {', '.join(silent)}: leave out, or give runs that do")
+        raise ConfigError(f"no test tells {', '.join(silent)}: leave out, or give tests that do")
     if len(jacobian) <= len(names):
         raise ConfigError(f"{len(jacobian)} values for {len(names)} numbers: too few")
     _, s, V = np.linalg.svd(jacobian / size, full_matrices=False)
     if (s[0] / max(s[-1], 1e-300)) ** 2 > ILL:
         mixed = [name for name, x in zip(names, V[-1], strict=True) if abs(x) > 0.3]
-        raise ConfigError(f"the runs do not tell {', '.join(mixed)} apart: fit fewer of them")
+        raise ConfigError(f"the tests do not tell {', '.join(mixed)} apart: fit fewer of them")

@@ -22,7 +22,7 @@ CAVEAT = (
 )
 
 
-def source_of(fit: CaptiveFit) -> dict[str, str]:
+def sources_of(fit: CaptiveFit) -> dict[str, str]:
     """Source of every fitted number, for the ship file."""
     values = zip(fit.estimate.names, fit.estimate.errors, strict=True)
     return {
@@ -31,7 +31,7 @@ def source_of(fit: CaptiveFit) -> dict[str, str]:
     }
 
 
-def told_of(fit: CaptiveFit) -> list[str]:
+def lines_of(fit: CaptiveFit) -> list[str]:
     """Lines for the head of the ship file."""
     files = ", ".join(Path(file).name for file in fit.files)
     sigma = ", ".join(f"{k} {v:.2g}" for k, v in fit.estimate.sigma.items())

@@ -128,9 +128,9 @@ def test_a_run_that_stands_twice_counts_once(noisy):
 
 def test_runs_that_do_not_tell_are_refused(tmp_path):
     drift, rudder, *_ = own_files(tmp_path, SHIP, None)
-    with pytest.raises(ConfigError, match=r"no run tells hull\.X_vr, hull\.X_rr"):
+    with pytest.raises(ConfigError, match=r"no test tells hull\.X_vr, hull\.X_rr"):
         fit_captive(SHIP, [drift])
-    with pytest.raises(ConfigError, match="no run tells"):
+    with pytest.raises(ConfigError, match="no test tells"):
         fit_captive(SHIP, [rudder], ["Y_v"])
     with pytest.raises(ConfigError, match="do not tell"):
         fit_captive(SHIP, [rudder], ["f_alpha", "a_H", "x_H", "x_R", "t_R"])

@@ -47,10 +47,12 @@ def test_a_fit_writes_ship_page_and_picture(cli, drift, tmp_path):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        ([], "--captive: needs one or more files"),
+        ([], "--captive or --records: needs one of them"),
         (["--numbers", "Y_q"], "Y_q"),
-        (["--numbers", "Y_r"], "no run tells hull.Y_r"),
+        (["--numbers", "Y_r"], "no test tells hull.Y_r"),
         (["--ship", "kvlcc3"], "kvlcc3"),
+        (["--records", "a.csv"], "--captive or --records: needs one of them"),
+        (["--hold-out", "a.csv"], "--hold-out: belongs to --records"),
     ],
 )
 def test_refusals_are_one_line(cli, drift, tmp_path, words, told):
@@ -58,3 +60,31 @@ def test_refusals_are_one_line(cli, drift, tmp_path, words, told):
     code, _, text = cli("fit-hull", *given, *words, "--out", str(tmp_path / "ship.toml"))
     assert code == 2 and told in text and text.count("\n") == 1 and len(text) <= 301
     assert not list(tmp_path.iterdir())
+
+
+def test_a_calibration_names_records_and_what_was_held_out(cli, tmp_path):
+    from ship_gym.manoeuvres import zigzag
+
+    files = []
+    for side in (1.0, -1.0):
+        angle = math.radians(side * 20.0)
+        c = zigzag(load_ship("kvlcc2_model"), angle, angle, overshoots=1).trajectory.columns
+        names = ("t", "x", "y", "psi", "delta", "n")
+        scale = {"psi": math.degrees(1.0), "delta": math.degrees(1.0)}
+        table = zip(*((c[k] * scale.get(k, 1.0)).tolist() for k in names), strict=True)
+        titles = "t [s],x [m],y [m],psi [deg],delta [deg],n [rev/s]"
+        files.append(tmp_path / f"{side:.0f}.csv")
+        files[-1].write_text("\n".join([HEAD + titles, *(",".join(map(repr, r)) for r in table)]))
+    out = tmp_path / "ship.toml"
+    words = ["--records", files[0], "--hold-out", files[1], "--numbers", "N_v", "--out", out]
+    code, text, _ = cli("fit-hull", *map(str, words), "--json")
+    data = json.loads(text)
+    assert code == 0 and [r["held_out"] for r in data["records"]] == [False, True]
+    ship = load_ship("kvlcc2_model")
+    # the rudder moves from the first row on, so that the motion at the start is not quite at rest
+    assert data["numbers"][0]["value"] == pytest.approx(ship.hull.N_v, rel=0.05)
+    head = out.read_text()
+    assert "calibrated to free-running records: 1.csv" in head and "Held out: -1.csv" in head
+    assert load_ship(out).hull.N_v == pytest.approx(data["numbers"][0]["value"], rel=1e-4)
+    code, _, told = cli("fit-hull", "--records", str(files[0]))
+    assert code == 2 and "needs the --numbers" in told
