@@ -12,7 +12,6 @@ is repeated (Gauss-Newton).
 from __future__ import annotations
 
 import dataclasses
-import math
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from itertools import zip_longest
@@ -22,10 +21,10 @@ import numpy as np
 
 from ship_gym.captive import Condition, measure
 from ship_gym.config import ConfigError, ImplausibleShip
+from ship_gym.identification.captive_runs import FULL_DRIFT, read_runs
 from ship_gym.identification.estimate import Estimate, solve
 from ship_gym.identification.numbers import DERIVATIVES, full_names, values_of, with_values
-from ship_gym.physics.hull import COS_DRIFT_FULL, YAW_FULL
-from ship_gym.reports.captive_file import Measured, read_measured
+from ship_gym.reports.captive_file import Measured
 from ship_gym.ships.particulars import Ship
 
 USUAL = tuple(name for names in DERIVATIVES.values() for name in names)
@@ -65,7 +64,9 @@ class CaptiveFit:
         moved to the ship's own thrust.
     files : tuple of str
     copies, outside : int
-        Runs left out: copies of others; beyond the polynomial's range (30 deg of drift, r' 1.2).
+        Runs left out: copies of others; beyond the largest drift or the polynomial's r', 1.2.
+    drift : float
+        The largest drift [rad].
     silent : int
         Coefficients left out, since none of the numbers changes them.
     """
@@ -81,6 +82,7 @@ class CaptiveFit:
     copies: int
     outside: int
     silent: int
+    drift: float
 
 
 def fit_captive(
@@ -88,6 +90,7 @@ def fit_captive(
     files: Sequence[str | Path],
     names: Sequence[str] = USUAL,
     each: Callable[[Iterable], Iterable] = iter,
+    drift: float = FULL_DRIFT,
 ) -> CaptiveFit:
     """Fit numbers of a ship to the captive runs of some files.
 
@@ -102,6 +105,8 @@ def fit_captive(
         Numbers to fit, ``Y_v`` or ``rudder.a_H``; the hull's 16 derivatives if omitted.
     each : callable
         Passes an iterable on, to show how far the fit is.
+    drift : float
+        Largest drift angle of a run to fit to [rad], at most that of the polynomial.
 
     Raises
     ------
@@ -109,11 +114,7 @@ def fit_captive(
         A file that is none, or numbers that the runs do not tell.
     """
     names = full_names(names)
-    given = [(str(f), one) for f in files for one in read_measured(f, ship)]
-    runs = _different(given)
-    within = [pair for pair in runs if _in_range(pair[1].condition)]
-    if not within:
-        raise ConfigError("no captive run within 30 deg of drift and r' of 1.2")
+    within, copies, outside = read_runs(files, ship, drift)
     rows = [
         (Row(file, one.condition, name), value)
         for file, one in within
@@ -136,9 +137,10 @@ def fit_captive(
         before[kept],
         model[kept],
         tuple(map(str, files)),
-        len(given) - len(runs),
-        len(runs) - len(within),
+        copies,
+        outside,
         int((~kept).sum()),
+        drift,
     )
 
 
@@ -227,22 +229,3 @@ def _thrust_beyond(ship: Ship, runs: list[Measured], rows: list[Row]) -> np.ndar
         if name.startswith("T")
     }
     return np.array([beyond.get((id(row.run), row.name), 0.0) for row in rows])
-
-
-def _in_range(run: Condition) -> bool:
-    """Whether the MMG polynomial is the whole of the hull's force in a run."""
-    return math.cos(run.beta) >= COS_DRIFT_FULL - 1e-9 and abs(run.yaw_rate) <= YAW_FULL
-
-
-def _different(runs: list[tuple[str, Measured]]) -> list[tuple[str, Measured]]:
-    """Runs without those that an earlier file has, or an earlier row under another condition.
-
-    No two runs of a tank have all their digits in common: such a row was copied.
-    """
-    seen, kept = set(), []
-    for file, one in runs:
-        key = tuple(sorted(one.values.items()))
-        if key not in seen:
-            seen.add(key)
-            kept.append((file, one))
-    return kept

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 from ship_gym.identification.captive_fit import CaptiveFit
 from ship_gym.identification.estimate import Estimate
 from ship_gym.identification.numbers import ranges_of
+from ship_gym.physics.hull import YAW_FULL
 from ship_gym.text import paragraph, table
 
 _MILLE = 1e3
@@ -37,7 +39,7 @@ def lines_of(fit: CaptiveFit) -> list[str]:
     sigma = ", ".join(f"{k} {v:.2g}" for k, v in fit.estimate.sigma.items())
     return [
         f"{len(fit.estimate.names)} numbers fitted to {len(fit.rows)} coefficients of captive "
-        f"tests: {files}.",
+        f"tests up to {math.degrees(fit.drift):.3g} deg of drift: {files}.",
         f"Scatter of the residuals (by 1/2 rho L d U^2, moments by that times L): {sigma}.",
     ]
 
@@ -104,6 +106,7 @@ def as_dict(fit: CaptiveFit) -> dict[str, Any]:
         "files": [*fit.files],
         "basis": "forces by 1/2 rho L d U^2, moments by that times L",
         "residuals": by_coefficient(fit),
+        "largest_drift_deg": math.degrees(fit.drift),
         "runs_twice": fit.copies,
         "runs_outside": fit.outside,
         "coefficients_left_out": fit.silent,
@@ -169,8 +172,9 @@ def as_text(fit: CaptiveFit, markdown: bool = False) -> str:
         f"{len({row.run for row in fit.rows})} captive runs"
     )
     left = (
-        f"Left out: {fit.copies} runs that stand twice, {fit.outside} beyond 30 deg of drift or "
-        f"r' of 1.2, {fit.silent} coefficients that none of the numbers changes."
+        f"Left out: {fit.copies} runs that stand twice, {fit.outside} beyond "
+        f"{math.degrees(fit.drift):.3g} deg of drift or r' of {YAW_FULL}, {fit.silent} "
+        "coefficients that none of the numbers changes."
     )
     sigma = ", ".join(f"{k} {_MILLE * v:.2f}" for k, v in found.sigma.items())
     strange = [f"No ship has this: {line}." for line in implausible(fit)]

@@ -121,9 +121,16 @@ def test_the_thrust_that_was_measured_is_taken_off(tmp_path):
 
 
 def test_a_run_that_stands_twice_counts_once(noisy):
-    fit, files = noisy
-    again = fit_captive(SHIP, [*files, files[0]])
+    _, files = noisy
+    fit, again = (fit_captive(SHIP, some, ["Y_v", "N_v"]) for some in (files, [*files, files[0]]))
     assert again.copies == 13 and again.estimate.values.tolist() == fit.estimate.values.tolist()
+
+
+def test_a_smaller_largest_drift_leaves_runs_out(noisy):
+    _, files = noisy
+    fit = fit_captive(SHIP, files, ["Y_v", "N_v"], drift=math.radians(10.0))
+    assert fit.outside == 6 + 6 and max(abs(row.run.beta) for row in fit.rows) < 0.175
+    assert "beyond 10 deg" in as_text(fit)
 
 
 def test_runs_that_do_not_tell_are_refused(tmp_path):

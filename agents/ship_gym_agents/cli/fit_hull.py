@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
 import click
 
 from ship_gym_agents.cli.options import Several, force, out, ship, verb
+from ship_gym_agents.cli.values import Number
 
 _COLUMNS = """
 columns of --captive: speed [m/s], n [rev/s]; may be there: beta [deg], delta [deg], yaw_rate [-],
@@ -35,6 +37,12 @@ n [rpm]; a line '# length: 320' names the ship's own [m]. Calm water; the first 
     help="Numbers to fit, as Y_v or rudder.a_H; default of --captive: the hull's 16 derivatives.",
 )
 @click.option(
+    "--drift",
+    type=Number(0.0, 30.0, "deg"),
+    default=30.0,
+    help="Largest drift angle of --captive runs to fit to [deg].",
+)
+@click.option(
     "--records",
     cls=Several,
     type=click.Path(path_type=Path),
@@ -54,7 +62,7 @@ n [rpm]; a line '# length: 320' names the ship's own [m]. Calm water; the first 
 @out(".png", "Also draw measured over computed and the residuals.", "--plot")
 @force()
 def command(
-    as_json, ship, captive, numbers, records, hold_out, trials, out, page, plot, force
+    as_json, ship, captive, numbers, drift, records, hold_out, trials, out, page, plot, force
 ) -> None:
     """Fit a ship's hull derivatives to captive tests; write the fitted ship.
 
@@ -75,7 +83,7 @@ def command(
     replace.check_replaced(page, replace.page("fit-hull"), force, "--page")
     place = _place(out, before)
     told = calibration_report if records else report
-    found = _fitted(before, captive, numbers, records, hold_out)
+    found = _fitted(before, captive, numbers, drift, records, hold_out)
     _write_ship(place, base, found, told)
     unseen = _unseen(before, found.fitted) if trials else None
     if page:
@@ -102,7 +110,9 @@ def _check_together(captive: Any, numbers: Any, records: Any, hold_out: Any, plo
         raise click.UsageError("--plot: belongs to --captive")
 
 
-def _fitted(before: Any, captive: Any, numbers: Any, records: Any, hold_out: Any) -> Any:
+def _fitted(
+    before: Any, captive: Any, numbers: Any, drift: float, records: Any, hold_out: Any
+) -> Any:
     """What was fitted to captive runs, or calibrated to records."""
     from ship_gym.identification.calibration import calibrate
     from ship_gym.identification.captive_fit import USUAL, fit_captive
@@ -110,7 +120,8 @@ def _fitted(before: Any, captive: Any, numbers: Any, records: Any, hold_out: Any
 
     if records:
         return calibrate(before, records, numbers, hold_out, lambda x: progress(x, "calibrating"))
-    return fit_captive(before, captive, numbers or USUAL, lambda x: progress(x, "fitting"))
+    each, largest = lambda x: progress(x, "fitting"), math.radians(drift)
+    return fit_captive(before, captive, numbers or USUAL, each, largest)
 
 
 def _place(out: Path | None, ship: Any) -> Path:
