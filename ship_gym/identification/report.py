@@ -151,7 +151,7 @@ def identifiability(found: Estimate) -> list[str]:
     lines = [f"Condition of the scaled normal equations: {found.condition:.3g}."]
     if len(found.names) > 1:
         one, other, rho = found.closest_pair()
-        together = " (the data tell their sum better than either)" if abs(rho) > ALIKE else ""
+        together = " (the data tell a mix of both better than either)" if abs(rho) > ALIKE else ""
         lines.append(f"Largest correlation: {one} and {other}, {rho:+.2f}{together}.")
     weak = [
         name
