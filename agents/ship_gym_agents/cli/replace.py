@@ -178,6 +178,11 @@ def route(made: Mapping[str, Any]) -> Result:
     return Result(f"the route {made['name']!r}", ["route", made])
 
 
+def fitted_ship(ship: str) -> Result:
+    """A ship file whose numbers were fitted, by the ship that it began with."""
+    return Result(f"a ship fitted from {ship}", ["fitted ship", ship])
+
+
 def fmu(ship: str) -> Result:
     """A ship as a unit of co-simulation; what its parameters start with does not matter."""
     return Result(f"an FMU of {ship}", ["fmu", ship])
