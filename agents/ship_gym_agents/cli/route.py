@@ -58,7 +58,7 @@ def command(as_json, file, geometry, origin, out, picture, force) -> None:
     with told_of(file):
         track = route.track()
     if out is not None:
-        check_replaced(out, result_of(route.to_meta()), force)
+        check_replaced(out, result_of(route.to_meta(), out), force)
         save_track(route, out)
     if picture is not None:
         from ship_gym.plotting.route import plot_route
