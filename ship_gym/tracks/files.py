@@ -79,7 +79,10 @@ def load_route(path: str | os.PathLike, geometry: str | None = None) -> Route:
     """
     found = _read(path, geometry)
     if isinstance(found, Track):
-        raise ConfigError(f"{path}: is in metres; a route needs latitudes and longitudes")
+        raise ConfigError(
+            f"{path}: is in metres; a route needs latitudes and longitudes "
+            "(ship-gym route --origin LATITUDE LONGITUDE gives it a place)"
+        )
     return found
 
 

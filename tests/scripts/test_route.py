@@ -73,7 +73,7 @@ def test_the_same_command_twice(cli, tmp_path, suffix):
 def test_metres_from_a_place(cli, tmp_path):
     save_track(Track([[0.0, 0.0], [3000.0, 0.0]]), tmp_path / "tank.geojson")
     code, _, err = cli("route", tmp_path / "tank.geojson")
-    assert code == 2 and "is in metres" in err
+    assert code == 2 and "is in metres" in err and "--origin" in err
     code, _, _ = cli(
         "route", tmp_path / "tank.geojson", "--origin", -33.0, -4.5, "--out", tmp_path / "tank.rtz"
     )
@@ -104,6 +104,10 @@ def test_a_turn_that_does_not_fit_names_the_file(cli, voyage):
         (["a.kml"], "error: a.kml: a track file ends in .rtz, .gpx, .geojson or .json"),
         (["none.rtz", "--geometry", "straight"], "unknown geometry 'straight'"),
         (["none.rtz", "--out", "a.kml"], "--out a.kml: allowed is a .rtz or .gpx or .geojson file"),
+        (
+            ["a.json", "--origin", "1", "2", "--geometry", "orthodrome"],
+            "--origin is for a track in",
+        ),
         (["none.rtz", "--origin", "91", "0"], "latitude = 91.0: allowed is -89 to 89"),
     ],
 )
