@@ -143,5 +143,6 @@ def _suffix(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix not in _READERS:
         *most, last = _READERS
-        raise ConfigError(f"{path}: a track file ends in {', '.join(most)} or {last}")
+        packed = "; a .rtzp is a zip archive, unpack the .rtz" if suffix == ".rtzp" else ""
+        raise ConfigError(f"{path}: a track file ends in {', '.join(most)} or {last}{packed}")
     return suffix

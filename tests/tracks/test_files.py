@@ -245,6 +245,8 @@ def test_bad_paths(tmp_path):
         load_track(tmp_path / "missing.geojson")
     with pytest.raises(ConfigError, match=r"ends in \.rtz, \.gpx, \.geojson or \.json"):
         load_track(Path("track.kml"))
+    with pytest.raises(ConfigError, match=r"a \.rtzp is a zip archive, unpack the \.rtz"):
+        load_track(Path("track.rtzp"))
     with pytest.raises(ConfigError, match=r"ends in \.rtz, \.gpx, \.geojson or \.json"):
         save_track(Track(POINTS), tmp_path / "track.csv")
     for name in ("a.rtz", "a.gpx"):
