@@ -79,7 +79,10 @@ def load_route(path: str | os.PathLike, geometry: str | None = None) -> Route:
     """
     found = _read(path, geometry)
     if isinstance(found, Track):
-        raise ConfigError(f"{path}: is in metres; a route needs latitudes and longitudes")
+        raise ConfigError(
+            f"{path}: is in metres; a route needs latitudes and longitudes "
+            "(ship-gym route --origin LATITUDE LONGITUDE gives it a place)"
+        )
     return found
 
 
@@ -140,5 +143,6 @@ def _suffix(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix not in _READERS:
         *most, last = _READERS
-        raise ConfigError(f"{path}: a track file ends in {', '.join(most)} or {last}")
+        packed = "; a .rtzp is a zip archive, unpack the .rtz" if suffix == ".rtzp" else ""
+        raise ConfigError(f"{path}: a track file ends in {', '.join(most)} or {last}{packed}")
     return suffix

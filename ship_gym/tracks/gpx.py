@@ -84,7 +84,7 @@ def write_gpx(route: Route, path: Path) -> None:
 def _line(root: Element) -> tuple[Element, str]:
     """The one route, else the one track, and ``rte`` or ``trk``."""
     for kind, word in (("rte", "routes"), ("trk", "tracks")):
-        found = list(children(root, kind))
+        found = [line for line in children(root, kind) if _places(line, kind)]
         if len(found) > 1:
             names = ", ".join(shown(_text(each, "name"), 20) for each in found[:4])
             raise ConfigError(f"holds {len(found)} {word} ({names}); wanted is one")

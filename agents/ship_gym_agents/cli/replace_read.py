@@ -138,7 +138,7 @@ def _json_in(path: Path) -> Result:
 def _route_in(path: Path) -> Result:
     from ship_gym.tracks import load_route
 
-    return route(load_route(path).to_meta())
+    return route(load_route(path).to_meta(), path)
 
 
 def _markdown_in(path: Path) -> Result | None:

@@ -46,7 +46,7 @@ def command(as_json, file, geometry, origin, out, picture, force) -> None:
     Bearings and lengths are those on the earth (WGS84) of each leg as it runs: rhumb line or great
     circle. Turns with a radius are sailed as arcs.
     """
-    from ship_gym.config import told_of
+    from ship_gym.config import ConfigError, told_of
     from ship_gym.tracks import load_route, save_track
     from ship_gym_agents.cli.output import need, next_command, show
     from ship_gym_agents.cli.replace import check_replaced
@@ -54,11 +54,13 @@ def command(as_json, file, geometry, origin, out, picture, force) -> None:
 
     if picture:
         need("matplotlib")
+    if origin and geometry:
+        raise ConfigError(f"--geometry {geometry}: --origin is for a track in metres, on no chart")
     route = _placed(file, origin) if origin else load_route(file, geometry)
     with told_of(file):
         track = route.track()
     if out is not None:
-        check_replaced(out, result_of(route.to_meta()), force)
+        check_replaced(out, result_of(route.to_meta(), out), force)
         save_track(route, out)
     if picture is not None:
         from ship_gym.plotting.route import plot_route
