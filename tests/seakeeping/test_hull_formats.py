@@ -173,6 +173,17 @@ def test_meshes_of_meshio_are_read(tmp_path, ending):
     assert hydrostatics(found).volume == pytest.approx(VOLUME, rel=1e-6)
 
 
+@pytest.mark.parametrize("ending", ["stl", "obj", "ply", "off", "glb"])
+def test_surfaces_of_trimesh_are_read(tmp_path, ending):
+    trimesh = pytest.importorskip("trimesh")
+    vertices, panels = capytaine_axes(WHOLE)
+    faces = np.concatenate([panels[:, :3], panels[panels[:, 2] != panels[:, 3]][:, [0, 2, 3]]])
+    path = tmp_path / f"hull.{ending}"
+    trimesh.Trimesh(vertices, faces, process=False).export(path)
+    found = read_hull(path, SHIP, panels=None)
+    assert hydrostatics(found).volume == pytest.approx(VOLUME, rel=1e-3)  # split one way
+
+
 def test_faces_of_second_order_count_by_their_corners(tmp_path):
     meshio = pytest.importorskip("meshio")
     vertices, panels = capytaine_axes(WHOLE)
