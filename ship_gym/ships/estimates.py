@@ -16,7 +16,7 @@ from ship_gym.ships.particulars import Ship
 from ship_gym.ships.plausible import basis
 from ship_gym.ships.powering import powering
 from ship_gym.ships.ranges import RANGES
-from ship_gym.ships.scaling import scaled, viscous_resistance
+from ship_gym.ships.scaling import correlation_allowance, scaled, viscous_resistance
 
 NEAR = 0.10  # of L/B, B/d and C_b: up to here the other ship's derivatives hold, else regressions
 GIVEN = "given"
@@ -82,10 +82,9 @@ def _hull(m: Made) -> None:
         estimators.wetted_surface(*of)
         for of in ((h.L, h.B, h.d, m.parent_C_b), (p["L"], p["B"], p["d"], p["C_b"]))
     )
-    C_A = 0.006 * (p["L"] + 100.0) ** -0.16 - 0.00205
     m.set("hull", {
         "S": (h.S * new / old, f"that of {m.parent.name} by Denny-Mumford, L (1.7 d + C_b B)"),
-        "C_A": (C_A, "Holtrop & Mennen (1982): 0.006 (L + 100)^-0.16 - 0.00205"),
+        "C_A": (correlation_allowance(p["L"]), "Holtrop & Mennen (1982), at this length"),
     })  # fmt: skip
     if m.near:
         m.by_dimension("hull", *left)
