@@ -65,7 +65,7 @@ class Made:
                 continue
             value = getattr(getattr(old, section), key)
             over, under = (basis(s, allowed.by, s.file_speed) for s in (self.ship, old))
-            if value not in (0.0, math.inf):
+            if value not in (0.0, math.inf) and math.inf not in (over, under):
                 value *= over / under
             by = f", by {allowed.by}" if allowed.by else ""
             self.set(section, {key: (value, f"as {old.name}{by}")})
@@ -116,9 +116,9 @@ def _propeller(m: Made) -> None:
         left += [
             key for key in RANGES["propeller"] if key.startswith(("wake_", "y_P", "w_P", "t_"))
         ]
-        zero = {k: (0.0, "not used") for k in left if k.startswith("wake_") and "C2" not in k}
+        unused = {k: (float("C2" in k), "not used") for k in left if k.startswith("wake_")}
         t_P = 0.325 * p["C_b"] - 0.1885 * m.ship.propeller.D / math.sqrt(p["B"] * p["d"])
-        m.set("propeller", zero | {
+        m.set("propeller", unused | {
             "w_P0": (0.55 * p["C_b"] - 0.20, "Taylor, twin screw: 0.55 C_b - 0.20"),
             "t_P": (t_P, "Holtrop & Mennen (1982), twin screw: 0.325 C_b - 0.1885 D / sqrt(B d)"),
             "y_P": (0.219 * p["B"], "as onrt_model, by B"),
@@ -169,6 +169,7 @@ def _rudder(m: Made) -> None:
             "y_R": (m.ship.propeller.y_P, "behind the propellers"),
             "neutral": (0.0, "two propellers"), "epsilon": (1.0, "as onrt_model"),
             "gamma_R_p": (gamma, "2.06 C_b B/L + 0.14"), "gamma_R_n": (gamma, "as gamma_R_p"),
+            "v_rrr": (0.0, "not used"), "v_rrv": (0.0, "not used"),
         })  # fmt: skip
     m.by_dimension("rudder", *left)
 

@@ -11,7 +11,7 @@ import dataclasses
 from collections.abc import Mapping
 
 from ship_gym.config import ConfigError, Findings, check_known, check_number
-from ship_gym.ships.estimates import STEPS, Made
+from ship_gym.ships.estimates import GIVEN, STEPS, Made
 from ship_gym.ships.files import Named, text_of
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
@@ -34,6 +34,7 @@ PARTICULARS: dict[str, tuple[float, float, str]] = {
     "A_R": (1e-4, 500.0, "m2"),
     "n_max": (0.1, 100.0, "rev/s"),
 }
+_WHOLE = ("z", "propellers")
 _NEEDED = ("L", "B", "d", "speed")
 _GEOMETRY = ("hull.L", "hull.B", "hull.d", "hull.volume", "hull.x_G", "propeller.D", "rudder.A_R")
 _GEOMETRY += ("engine.n_max",)  # have an option of their own
@@ -58,6 +59,8 @@ def check_particulars(
             low, high, unit = PARTICULARS[check_known("particular", key, PARTICULARS)]
             if value is not None:
                 p[key] = check_number(f"--{key}", value, low, high, unit)
+                if key in _WHOLE and p[key] != int(p[key]):
+                    findings.add(f"--{key} = {value}: must be a whole number")
     missing = [f"--{key}" for key in _NEEDED if given.get(key) is None]
     if given.get("C_b") is None and given.get("volume") is None:
         missing.append("--C_b (or --volume)")
@@ -112,6 +115,9 @@ def new_ship(
     made = Made(like, p, fixed, name, units)
     for step in STEPS:
         step(made)
+    lost = [key for key in fixed if made.ship.sources.get(key) != GIVEN]
+    if lost:
+        raise ConfigError(f"--set {', '.join(lost)}: {like.name} has no such section to replace in")
     return made.ship
 
 

@@ -138,6 +138,11 @@ def test_everything_that_is_wrong_is_told_at_once():
         new_ship("kvlcc2", "x", {})
     with pytest.raises(ConfigError, match="give one of them"):
         new_ship("kvlcc2", "x", {**TANKER, "volume": 1e5})
+    with pytest.raises(ConfigError, match=r"--propellers = 1.5: must be a whole number"):
+        new_ship("kvlcc2", "x", {**TANKER, "propellers": 1.5})
+    bare = dataclasses.replace(load_ship("kvlcc2"), form=None)
+    with pytest.raises(ConfigError, match=r"--set form.KG: kvlcc2 has no such section"):
+        new_ship(bare, "x", TANKER, {"form.KG": 12.5})
     with pytest.raises(ConfigError, match="unknown particular 'Lpp'"):
         new_ship("kvlcc2", "x", {**TANKER, "Lpp": 1.0})
 
@@ -147,3 +152,13 @@ def test_what_no_ship_has_is_told_at_once():
     with pytest.raises(ConfigError) as error:
         checked(odd)
     assert all(key in str(error.value) for key in ("hull.B", "speed = 0.1", "propeller.D"))
+
+
+def test_an_engine_without_a_torque_limit_keeps_none():
+    old = load_ship("kvlcc2")
+    old = dataclasses.replace(
+        old, engine=dataclasses.replace(old.engine, torque_max=math.inf, torque_brake=0.0)
+    )
+    made = new_ship(old, "tanker", TANKER)
+    assert made.engine.torque_max == math.inf and made.engine.torque_brake == 0.0
+    assert "torque_max" not in ship_text(made, "given")
