@@ -379,6 +379,8 @@ READERS = {
     "values of trials": (trial_values, "a.csv"),
     "track csv": (track, "track.csv"),
     "track GeoJSON": (track, "track.geojson"),
+    "route RTZ": (track, "route.rtz"),
+    "route GPX": (track, "route.gpx"),
     "spectrum csv": (spectrum, "a.csv"),
     "spectrum netCDF": (spectrum, "a.nc"),
     "table": (table, "surrogate_mine.npz"),
@@ -597,8 +599,8 @@ def test_nothing_else_unpickles_or_evaluates():
 
 
 READING = (
-    "open", "fdopen", "read_bytes", "read_text", "read_toml", "read_json", "read_npz", "read_npy",
-    "npz_arrays", "read_keys", "read_csv", "read_run_card", "read_run_state", "ZipFile",
+    "open", "fdopen", "read_bytes", "read_text", "read_toml", "read_json", "read_xml", "read_npz",
+    "read_npy", "npz_arrays", "read_keys", "read_csv", "read_run_card", "read_run_state", "ZipFile",
     "ParquetFile", "RrdReader", "load_mesh", "InferenceSession", "fromfile", "genfromtxt",
     "loadtxt", "memmap", "JournalFileBackend",
 )  # fmt: skip
@@ -621,7 +623,7 @@ READS = {
     "ship_gym/plain_csv.py": {"plain csv", "curve", "spectrum csv"},
     "ship_gym/plotting/figure.py": WRITTEN,
     "ship_gym/provenance.py": "any file, for its hash",
-    "ship_gym/reading.py": {"table", "ship", "track GeoJSON", "cells of a wave table"},
+    "ship_gym/reading.py": {"table", "ship", "track GeoJSON", "route RTZ", "route GPX"},
     "ship_gym/recording/journal.py": {"journal"},
     "ship_gym/recording/rerun_export/program.py": WRITTEN,
     "ship_gym/recording/rerun_export/rrd_file.py": {"recording", "recording without a seal"},
@@ -658,7 +660,9 @@ READS = {
     "ship_gym/tasks/course/task.py": OWN,
     "ship_gym/tasks/heading/task.py": OWN,
     "ship_gym/tasks/track/task.py": OWN,
-    "ship_gym/tracks/files.py": {"track GeoJSON", "track csv"},
+    "ship_gym/tracks/geojson.py": {"track GeoJSON"},
+    "ship_gym/tracks/gpx.py": {"route GPX"},
+    "ship_gym/tracks/rtz.py": {"route RTZ"},
     "ship_gym/writing.py": "nothing: it looks whether there is room",
     "ship_gym_agents/cli/listing.py": OWN,
     "ship_gym_agents/cli/output.py": "the null device",
@@ -719,7 +723,7 @@ def test_a_small_file_needs_no_room_for_a_large_one(tmp_path):
 # modules that bind a socket: to 127.0.0.1, or where a flag says otherwise
 BINDS = {
     "ship_gym/recording/rerun_export/program.py": "finds a free port of 127.0.0.1 for the viewer",
-    "ship_gym_agents/serve/ports.py": "127.0.0.1, or --listen",
+    "ship_gym_agents/serve/binding.py": "127.0.0.1, or --listen",
 }
 SERVERS = ("bind", "create_server", "start_server", "HTTPServer", "TCPServer", "UDPServer")
 

@@ -21,6 +21,7 @@ from ship_gym.config import ConfigError, cut
 from ship_gym.reading import read_bytes
 
 _SECONDS = 300.0  # for one file
+_MEMORY = 8 << 30  # [bytes] of the child
 _CHORD = 1e-4  # a triangle leaves the surface by so much of the size at most
 _ROUGH = 1e4  # [mm]
 _ANGLE = 0.2  # [rad] between neighbours on a curved surface
@@ -30,6 +31,12 @@ _EXTRAS = {"cascadio": "cad"}  # of the others: bem
 # size, which the chord goes by. It takes chords in mm; a GLB file says how far its points reach.
 _CHILD = """
 import json, os, sys
+most = int(sys.argv.pop())
+try:
+    import resource
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+except (ImportError, ValueError, OSError):  # not on this system
+    pass
 out = os.dup(1)
 os.dup2(2, 1)
 sys.modules["trimesh"] = None  # is not needed here and takes long
@@ -37,14 +44,16 @@ import cascadio
 kind, unit, chord, rough, angle = sys.argv[1], *map(float, sys.argv[2:])
 data = sys.stdin.buffer.read()
 glb = cascadio.load(data, kind, tol_linear=rough, tol_angular=angle)
+reach = ()
 if glb:
     head = json.loads(glb[20 : 20 + int.from_bytes(glb[12:16], "little")])
     reach = [(a["min"], a["max"]) for a in head["accessors"] if len(a.get("min", ())) == 3]
+if reach:
     size = max(max(r[1][i] for r in reach) - min(r[0][i] for r in reach) for i in range(3))
     tolerance = max(chord * size * unit, 1e-3)
     glb = cascadio.load(data, kind, tol_linear=tolerance, tol_angular=angle)
 with os.fdopen(out, "wb") as file:
-    file.write(glb)
+    file.write(glb if reach else b"")
 """
 
 
@@ -80,7 +89,7 @@ def read_cad(path: Path) -> tuple[np.ndarray, np.ndarray]:
         library("cascadio", path)
     unit = 1.0 if kind == "iges" else 1000.0  # [mm]: cascadio gives IGES in mm, STEP in m
     numbers = (unit, _CHORD, _ROUGH, _ANGLE)
-    command = [sys.executable, "-P", "-c", _CHILD, kind, *map(repr, numbers)]
+    command = [sys.executable, "-P", "-c", _CHILD, kind, *map(repr, numbers), str(_MEMORY)]
     try:
         done = subprocess.run(
             command, input=read_bytes(path), capture_output=True, timeout=_SECONDS
@@ -90,15 +99,9 @@ def read_cad(path: Path) -> tuple[np.ndarray, np.ndarray]:
             f"{path}: OpenCASCADE did not read it within {_SECONDS:g} s: damaged, or too fine"
         ) from None
     if done.returncode or not done.stdout:
-        lines = [line for line in done.stderr.decode(errors="replace").splitlines() if "rr" in line]
-        told = cut(" ".join(lines[0].split()), 120) if lines else "OpenCASCADE ended"
-        raise ConfigError(
-            f"{path}: not a {kind.upper()} file with surfaces, or damaged: {_plain(told)}"
-        )
+        lines = _COLOUR.sub("", done.stderr.decode(errors="replace")).splitlines()
+        errors = [" ".join(line.split()).strip("* ") for line in lines if "Err" in line.title()]
+        told = cut(errors[0], 120) if errors else "OpenCASCADE ended"
+        raise ConfigError(f"{path}: no {kind.upper()} file with surfaces, or damaged: {told}")
     solid = trimesh.load_mesh(io.BytesIO(done.stdout), file_type="glb", process=False)
     return np.asarray(solid.vertices, dtype=float) * (1e-3 * unit), np.asarray(solid.faces)
-
-
-def _plain(text: str) -> str:
-    """Without the colours of a terminal."""
-    return _COLOUR.sub("", text).strip("* ")

@@ -133,24 +133,40 @@ class Route:
         )
 
     def check_turns(self, radius: float) -> None:
-        """Refuse a route that a ship with a turning radius [m] cannot sail; see `Track`."""
+        """Refuse a route that a ship with a turning radius [m] cannot sail.
+
+        Where a planned radius R is smaller, her own arc of radius r must fit the legs, too, and
+        keep within the limits of both: at a turn D it passes (r - R) (1 / cos(D / 2) - 1) inside
+        the planned one.
+        """
         lines = self.lines()
-        turns = np.abs(_turns(lines))
-        for i, point in enumerate(self.waypoints[1:-1], start=1):
-            if point.radius and point.radius < radius * (1.0 - 1e-9):
-                raise ConfigError(
-                    f"route: {self.label(i)} has a planned radius of {point.radius:.0f} m; the "
-                    f"ship's turning radius is {radius:.0f} m"
-                )
-        own = np.array([point.radius or radius for point in self.waypoints])
-        need = own * np.tan(0.5 * np.minimum(turns, SHARPEST))
+        turns = _turns(lines)
+        sizes = np.minimum(np.abs(turns), SHARPEST)
+        planned = np.array([point.radius or np.inf for point in self.waypoints])
+        inside = np.maximum(radius - planned, 0.0) * (1.0 / np.cos(0.5 * sizes) - 1.0)
+        limits = self._limits_inside(turns)
+        for i in np.flatnonzero(inside > limits)[:1]:
+            raise ConfigError(
+                f"route: {self.label(i)} has a planned radius of {planned[i]:.0f} m; at the ship's "
+                f"turning radius of {radius:.0f} m she passes {inside[i]:.0f} m inside it, the "
+                f"limits of its legs are {limits[i]:.0f} m"
+            )
+        own = np.maximum(np.where(np.isfinite(planned), planned, 0.0), radius)
+        need = own * np.tan(0.5 * sizes)
         for i in np.flatnonzero(lines.length < (need[:-1] + need[1:]) * (1.0 - 1e-9))[:1]:
-            before, after = np.degrees(turns[i : i + 2])
+            before, after = np.degrees(sizes[i : i + 2])
             raise ConfigError(
                 f"route: the leg from {self.label(i)} to {i + 1} is {lines.length[i]:.0f} m long; "
                 f"turns of {before:.0f} and {after:.0f} deg at its ends need "
                 f"{need[i] + need[i + 1]:.0f} m at a turning radius of {radius:.0f} m"
             )
+
+    def _limits_inside(self, turns: np.ndarray) -> np.ndarray:
+        """Smaller limit of the two legs on the inner side of each turn [m], shape (W,)."""
+        sides = [[leg.port or np.inf, leg.starboard or np.inf] for leg in self.legs]
+        none = [np.inf, np.inf]
+        both = np.minimum([none, *sides], [*sides, none])
+        return np.where(turns < 0.0, both[:, 0], both[:, 1])
 
     def to_meta(self) -> dict[str, Any]:
         """The route as plain values, for a recording's meta."""

@@ -117,7 +117,7 @@ class Track:
         ------
         ConfigError
             Names the first leg too short for the turns at its ends, with both lengths; of a route
-            also the first way-point whose planned radius is smaller.
+            also the first way-point whose planned turn she would leave by more than its limits.
         """
         if self.route is not None:
             self.route.check_turns(radius)

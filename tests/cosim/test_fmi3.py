@@ -19,7 +19,7 @@ from ship_gym.simulation import ShipSim  # noqa: E402
 @pytest.fixture(scope="module")
 def kcs(tmp_path_factory):
     path = tmp_path_factory.mktemp("kcs") / "kcs.fmu"
-    write_fmu("kcs", path, "3", seed=7)
+    write_fmu("kcs", path, 3, seed=7)  # or "3", as the command has it
     return path
 
 

@@ -67,10 +67,10 @@ def test_its_recording_lies_on_the_earth(sailed):
 
 
 def test_a_turn_that_she_cannot_make_is_refused_with_its_way_point():
-    told = r"kiel.rtz.*way-point 1 \(id 2\).*planned radius of 741 m.*920 m.*track.turn_radius = 4"
+    told = r"kiel.rtz.*way-point 1 \(id 2\).*planned radius of 741 m.*4600 m.*turn_radius = 20"
     with pytest.raises(ConfigError, match=told):
         ShipEnv(
-            scenario="track_following", overrides=on_file(HARBOUR, **{"track.turn_radius": 4.0})
+            scenario="track_following", overrides=on_file(HARBOUR, **{"track.turn_radius": 20.0})
         )
 
 
@@ -110,7 +110,7 @@ def test_the_field_route_of_all_elements_is_sailed_past_its_first_way_points(fie
     path = field("RTZ1.2AllOptionalElementsAndAttributes.rtz")
     track = load_track(path)
     assert len(load_route(path).waypoints) == 6 and track.total_length > 8e6
-    short = on_file(path, duration=900.0, **{"track.turn_radius": 2.0}) | CALM
+    short = on_file(path, duration=900.0) | CALM
     run = rollout(ILOS(), "track_following", seeds=[0], overrides=short).trajectory(0)
     assert not run.meta["failed"] and run.meta["metrics"]["corridor"] == 1.0
     pieces = np.array(run.meta["leg_of"])

@@ -187,17 +187,26 @@ def test_refused(made, message):
 
 
 def test_turns_too_tight_for_the_ship_name_the_waypoint():
-    made = corner(90.0, 500.0)
-    named = dataclasses.replace(made.waypoints[1], name="Pilots", id=43)
-    track = Route("a", (made.waypoints[0], named, made.waypoints[2])).track()
-    assert track.check_turns(499.0) is track
-    told = "has a planned radius of 500 m; the ship's turning radius is 900 m"
-    with pytest.raises(ConfigError, match=rf"way-point 1 \(id 43, 'Pilots'\) {told}"):
-        track.check_turns(900.0)
-    with pytest.raises(
-        ConfigError, match="leg from way-point 0 to 1 is 20000 m long; turns of 0 and 90"
-    ):
-        corner(90.0, None).track().check_turns(25e3)
+    """At 90 deg an arc of 900 m passes 400 m (sqrt(2) - 1) = 166 m inside one of 500 m."""
+    for side, turn in (("port", -90.0), ("starboard", 90.0)):
+        for limit, refused in ((165.0, True), (167.0, False)):
+            made = corner(turn, 500.0, **{side: limit})
+            named = dataclasses.replace(made.waypoints[1], name="Pilots", id=43)
+            points = made.waypoints[0], named, made.waypoints[2]
+            track = Route("a", points, made.legs).track()
+            assert track.check_turns(499.0) is track
+            if not refused:
+                assert track.check_turns(900.0) is track
+                continue
+            told = r"way-point 1 \(id 43, 'Pilots'\) has a planned radius of 500 m; at .* of 900 m"
+            with pytest.raises(ConfigError, match=f"{told} she passes 166 m inside .* 165 m"):
+                track.check_turns(900.0)
+    other = corner(90.0, 500.0, port=10.0).track()  # the limit of the outer side
+    assert other.check_turns(900.0) is other
+    told = "leg from way-point 0 to 1 is 20000 m long; turns of 0 and 90"
+    for radius in (None, 500.0):
+        with pytest.raises(ConfigError, match=told):
+            corner(90.0, radius).track().check_turns(25e3)
 
 
 def test_a_recording_keeps_it():

@@ -67,6 +67,7 @@ def command(as_json, file, geometry, origin, out, picture, force) -> None:
     written = [str(path) for path in (out, picture) if path is not None]
     data = _data(file, route, track, written)
     settings = ["track.kind=points", f"track.file={out or file}"]
+    settings += [f"track.geometry={geometry}"] if geometry and out is None else []
     following = next_command("record", task="track_following", set=settings)
     text = "\n".join([_text(data), *(f"wrote {name}" for name in written), f"next: {following}"])
     show(as_json, data, text)
