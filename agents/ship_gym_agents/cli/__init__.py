@@ -42,6 +42,7 @@ VERBS = {
     "build-wave-table": "Compute a ship's wave table by boundary elements.",
     "speed": "Measure how fast physics, environments and training run, beside CartPole and peers.",
     "warm-up": "Compile beforehand what ships and tasks need, so that nobody waits later.",
+    "new-ship": "Write the file of a ship of your own from her particulars.",
     "list": "List what can be named: ships, scenarios, tasks, controllers, recipes, surrogates.",
     "completion": "Print the script that completes ship-gym in a shell.",
 }
