@@ -17,7 +17,7 @@ def translated(latex: str, node: nodes.Element, display: bool) -> str:
     """LaTeX as MathML; a formula that docutils cannot read stops the build."""
     try:
         return tex2mathml(latex, as_block=display)
-    except SyntaxError as error:
+    except ValueError as error:  # its MathError
         raise SphinxError(f"{node.source}:{node.line}: {latex!r}: {error}") from None
 
 
