@@ -79,6 +79,18 @@ speed --ship mine.toml --scenario nothing --quick
 speed --against nothing --only calm waves
 warm-up --ship nothing --task heading_keeping
 warm-up --ship mine.toml --jobs 0 --json
+route route.rtz
+route route.rtz --out again.gpx --geometry nothing
+route nothing.gpx --origin 91 0 --json
+serve --port 0 --route route.rtz --at 91 8 --speed-up 10
+serve --port 99999 --listen nothing --ship kvlcc2 --duration 60
+serve --port 0 --rate HDT=5 XXX=1 --talker all=II --lockstep --patience 0.1
+fmu --ship mine.toml --sea nothing --out a.fmu
+fmu --wave-height -1 --wave-period 0 --at 57.7 181 --fmi 4
+dataset --controllers pid nobody --noise -1 --episodes 0 --out sets
+dataset --policy policy.safetensors --name nothing --out sets --episodes 2
+simulate turning --sea nothing --wave-height 2 --regular
+build-wave-table --ship mine.toml --mesh hull.mar --fix-normals --weld nothing
 """
 _WORDS = """
 - -- --- -1 0 1e9 1e400 nan inf -inf 1e-300 1,5 0x10 kcs kcs,kcs KCS kc all none . .. / /dev/null
@@ -86,7 +98,7 @@ _WORDS = """
 training.gamma=9 steps=10 mine.toml scenario.toml gains.toml policy.safetensors run.rrd none.py
 none.py:Name pid@nothing pid@ @kcs none.csv none.npz none.html 1:2:3 0..5 5..0 0.. --help --json
 --out --ship --seed --scenario --set --task --control --jobs --episodes --nothing -h -x turning
-zigzag --version
+zigzag --version route.rtz none.gpx 91 181
 """.split()
 _WORDS += ["", " ", "a" * 300, "a/" * 2000, "9" * 400, "\u00e9\u4e2d", "\udcff", "a\tb"]
 
@@ -100,11 +112,13 @@ class Enough(BaseException):
 
 def seeds() -> Iterator[Any]:
     """Each line as a file of words, with the files that it may name beside it."""
+    from _fuzz_field import routes
     from _fuzz_made import recordings
     from _fuzz_seeds import Seed, policies, scenarios, ships, toml_files
     from ship_gym_agents.gains_files import GAINS
 
     beside = {
+        "route.rtz": next(routes()),
         "mine.toml": {seed.name: seed for seed in ships()}["kvlcc2_model"],
         "scenario.toml": next(scenarios()),
         "gains.toml": next(toml_files(GAINS)),

@@ -15,6 +15,9 @@ from typing import Any
 
 import _fuzz_binary as binary
 import _fuzz_commands as commands
+import _fuzz_field as field
+import _fuzz_field_edits as field_edits
+import _fuzz_field_use as field_use
 import _fuzz_impossible as impossible
 import _fuzz_made as made
 import _fuzz_mutate as text
@@ -36,7 +39,11 @@ EDITS: dict[str, text.Edit] = {
     ".zip": binary.old_policy_edit,
     ".parquet": binary.parquet_edit,
     ".words": commands.words_edit,
+    ".nmea": field_edits.nmea_edit,
+    ".nc": field_edits.netcdf_edit,
+    **dict.fromkeys((".rtz", ".gpx", ".vtu"), field_edits.xml_edit),
     **dict.fromkeys((".obj", ".stl", ".gdf", ".off", ".ply"), binary.mesh_edit),
+    **dict.fromkeys((".mar", ".dat", ".hst", ".pnl", ".msh", ".vtk"), binary.mesh_edit),
 }
 
 
@@ -111,6 +118,10 @@ FORMATS: dict[str, Format] = {
     "speed baseline": Format(1, _baseline, use.speed_baseline, "text"),
     "curve": Format(1, made.curves, use.curve, "text"),
     "mesh": Format(5, made.meshes, use.mesh, "binary"),
+    "route": Format(5, field.routes, field_use.route, "routes"),
+    "spectrum": Format(4, field.spectra, field_use.spectrum, "seas"),
+    "hull": Format(4, field.hulls, field_use.hull, "hulls"),
+    "sentences": Format(3, field.sentences, field_use.sentences, "serve"),
     "command": Format(10, commands.seeds, commands.use, "command line"),
     impossible.NAME: Format(0, impossible.seeds, use.ship, "ships"),  # each once, never changed
 }

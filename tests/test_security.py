@@ -394,6 +394,14 @@ READERS = {
     "mesh gdf": (mesh, "hull.gdf"),
     "mesh vtk": (mesh, "hull.vtk"),
     "mesh msh": (mesh, "hull.msh"),
+    "mesh vtu": (mesh, "hull.vtu"),
+    "mesh xdmf": (mesh, "hull.xdmf"),
+    "mesh mar": (mesh, "hull.mar"),
+    "mesh dat": (mesh, "hull.dat"),
+    "mesh hst": (mesh, "hull.hst"),
+    "mesh pnl": (mesh, "hull.pnl"),
+    "mesh step": (mesh, "hull.step"),
+    "mesh iges": (mesh, "hull.igs"),
     "mesh of no kind": (mesh, "hull.npz"),
     "recording": (recording, "run.rrd"),
     "recording without a seal": (unsealed, "run.rrd"),
@@ -636,7 +644,10 @@ READS = {
     "ship_gym/sea/wave_table.py": {"wave table"},
     "ship_gym/sea/wind_coefficients.py": OWN,
     "ship_gym/seakeeping/database.py": {"cells of a wave table"},
-    "ship_gym/seakeeping/hull_file.py": {"mesh stl", "mesh obj", "mesh gdf", "mesh vtk"},
+    "ship_gym/seakeeping/hull_cad.py": {"mesh step", "mesh iges"},
+    "ship_gym/seakeeping/hull_formats.py": {"mesh stl", "mesh obj", "mesh ply", "mesh vtk"},
+    "ship_gym/seakeeping/hull_gdf.py": {"mesh gdf"},
+    "ship_gym/seakeeping/hull_panels.py": {"mesh mar", "mesh hst", "mesh pnl"},
     "ship_gym/ships/files.py": {"ship"},
     "ship_gym/ships/four_quadrants.py": OWN,
     "ship_gym/ships/loader.py": {"ship"},
@@ -712,7 +723,7 @@ def test_a_small_file_needs_no_room_for_a_large_one(tmp_path):
 # modules that bind a socket: to 127.0.0.1, or where a flag says otherwise
 BINDS = {
     "ship_gym/recording/rerun_export/program.py": "finds a free port of 127.0.0.1 for the viewer",
-    "ship_gym_agents/serve/ports.py": "127.0.0.1, or --listen",
+    "ship_gym_agents/serve/binding.py": "127.0.0.1, or --listen",
 }
 SERVERS = ("bind", "create_server", "start_server", "HTTPServer", "TCPServer", "UDPServer")
 

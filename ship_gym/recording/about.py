@@ -17,11 +17,18 @@ _ROUTE = (
     "x north, y east [m] in the plane of the chart (meta chart): the legs of the route one behind "
     "the other, each with its true bearing and length; ship_gym.charts gives latitude, longitude"
 )
+_PLACE = (
+    "x north, y east [m] in the plane about the place of the chart (meta chart), from where "
+    "distances and bearings are true; ship_gym.charts gives latitude, longitude"
+)
 
 
 def frame(meta: Mapping[str, Any]) -> str:
     """What x and y of a recording are, in words; with a chart its meta has the key ``chart``."""
-    return _ROUTE if meta.get("chart") else _PLANE
+    chart = meta.get("chart")
+    if not chart:
+        return _PLANE
+    return _PLACE if len(chart["latitude"]) == 1 else _ROUTE
 
 
 def ship_meta(ship: Ship) -> dict[str, Any]:

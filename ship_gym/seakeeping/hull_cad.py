@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import importlib
 import io
+import re
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 
@@ -19,20 +21,39 @@ from ship_gym.config import ConfigError, cut
 from ship_gym.reading import read_bytes
 
 _SECONDS = 300.0  # for one file
+_MEMORY = 8 << 30  # [bytes] of the child
 _CHORD = 1e-4  # a triangle leaves the surface by so much of the size at most
 _ROUGH = 1e4  # [mm]
 _ANGLE = 0.2  # [rad] between neighbours on a curved surface
+_COLOUR = re.compile("\x1b\\[[0-9;]*m")
 _EXTRAS = {"cascadio": "cad"}  # of the others: bem
-# OpenCASCADE talks on stdout: what was stdout is kept for the triangles.
+# OpenCASCADE talks on stdout: what was stdout is kept for the triangles. First roughly, for the
+# size, which the chord goes by. It takes chords in mm; a GLB file says how far its points reach.
 _CHILD = """
-import os, sys
+import json, os, sys
+most = int(sys.argv.pop())
+try:
+    import resource
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+except (ImportError, ValueError, OSError):  # not on this system
+    pass
 out = os.dup(1)
 os.dup2(2, 1)
+sys.modules["trimesh"] = None  # is not needed here and takes long
 import cascadio
-kind, chord, angle = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
-glb = cascadio.load(sys.stdin.buffer.read(), kind, tol_linear=chord, tol_angular=angle)
+kind, unit, chord, rough, angle = sys.argv[1], *map(float, sys.argv[2:])
+data = sys.stdin.buffer.read()
+glb = cascadio.load(data, kind, tol_linear=rough, tol_angular=angle)
+reach = ()
+if glb:
+    head = json.loads(glb[20 : 20 + int.from_bytes(glb[12:16], "little")])
+    reach = [(a["min"], a["max"]) for a in head["accessors"] if len(a.get("min", ())) == 3]
+if reach:
+    size = max(max(r[1][i] for r in reach) - min(r[0][i] for r in reach) for i in range(3))
+    tolerance = max(chord * size * unit, 1e-3)
+    glb = cascadio.load(data, kind, tol_linear=tolerance, tol_angular=angle)
 with os.fdopen(out, "wb") as file:
-    file.write(glb)
+    file.write(glb if reach else b"")
 """
 
 
@@ -63,30 +84,24 @@ def read_cad(path: Path) -> tuple[np.ndarray, np.ndarray]:
         No surface in it, damaged, or a missing library.
     """
     kind = "iges" if path.suffix.lower() in (".igs", ".iges") else "step"
-    library("cascadio", path)
-    data = read_bytes(path)
-    # cascadio gives IGES in mm and STEP in m, and takes the chord in mm of both
-    unit = 0.001 if kind == "iges" else 1.0
-    rough, _ = _triangles(path, data, kind, _ROUGH)  # for the size, which the chord goes by
-    size = unit * float(np.ptp(rough, axis=0).max())
-    vertices, triangles = _triangles(path, data, kind, 1000.0 * max(_CHORD * size, 1e-6))
-    return vertices * unit, triangles
-
-
-def _triangles(path: Path, data: bytes, kind: str, chord: float) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices in cascadio's unit and triangles within a chord [mm] of the surface."""
     trimesh = library("trimesh", path)
-    command = [sys.executable, "-P", "-c", _CHILD, kind, repr(chord), repr(_ANGLE)]
-    name = kind.upper()
+    if find_spec("cascadio") is None:
+        library("cascadio", path)
+    unit = 1.0 if kind == "iges" else 1000.0  # [mm]: cascadio gives IGES in mm, STEP in m
+    numbers = (unit, _CHORD, _ROUGH, _ANGLE)
+    command = [sys.executable, "-P", "-c", _CHILD, kind, *map(repr, numbers), str(_MEMORY)]
     try:
-        done = subprocess.run(command, input=data, capture_output=True, timeout=_SECONDS)
+        done = subprocess.run(
+            command, input=read_bytes(path), capture_output=True, timeout=_SECONDS
+        )
     except subprocess.TimeoutExpired:
         raise ConfigError(
             f"{path}: OpenCASCADE did not read it within {_SECONDS:g} s: damaged, or too fine"
         ) from None
     if done.returncode or not done.stdout:
-        lines = [line for line in done.stderr.decode(errors="replace").splitlines() if "rr" in line]
-        told = cut(" ".join(lines[0].split()), 120) if lines else "OpenCASCADE ended"
-        raise ConfigError(f"{path}: not a {name} file with surfaces, or damaged: {told}")
+        lines = _COLOUR.sub("", done.stderr.decode(errors="replace")).splitlines()
+        errors = [" ".join(line.split()).strip("* ") for line in lines if "Err" in line.title()]
+        told = cut(errors[0], 120) if errors else "OpenCASCADE ended"
+        raise ConfigError(f"{path}: no {kind.upper()} file with surfaces, or damaged: {told}")
     solid = trimesh.load_mesh(io.BytesIO(done.stdout), file_type="glb", process=False)
-    return np.asarray(solid.vertices, dtype=float), np.asarray(solid.faces)
+    return np.asarray(solid.vertices, dtype=float) * (1e-3 * unit), np.asarray(solid.faces)

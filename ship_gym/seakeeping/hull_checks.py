@@ -36,7 +36,7 @@ class Placed:
 def check_place(points: np.ndarray, ship: Ship, name: str, placed: Placed) -> None:
     """Refuse a mesh that is not the ship's size or not where the ship is, and guess why."""
     L, d = ship.hull.L, ship.hull.d
-    wet = points[points[:, 2] > 0.0]
+    wet = points[points[:, 2] > 1e-6 * L]
     deepest = float(points[:, 2].max())
     height = placed.waterline + d - deepest  # of the waterline, at the ship's draught
     size = np.ptp(points, axis=0)
@@ -51,17 +51,17 @@ def check_place(points: np.ndarray, ship: Ship, name: str, placed: Placed) -> No
             f"{-points[:, 2].min():.4g} m above it: give --waterline {height:.6g} for the ship's "
             "draught, or another --up"
         )
+    if abs(deepest / d - 1.0) > _DRAUGHT:
+        raise ConfigError(
+            f"{name}: draught {deepest:.4g} m, but {ship.name} has d = {d:.4g} m; give "
+            f"--waterline, its height above the file's zero: {height:.6g} for this draught"
+        )
     middle = float(0.5 * (wet[:, 0].max() + wet[:, 0].min()))
     if abs(middle) > _MIDDLE * L:
         raise ConfigError(
             f"{name}: the hull's middle lies {middle:.4g} m forward of midship; give "
             "--midship, the middle between the perpendiculars in the file, about "
             f"{placed.midship + middle:.6g}"
-        )
-    if abs(deepest / d - 1.0) > _DRAUGHT:
-        raise ConfigError(
-            f"{name}: draught {deepest:.4g} m, but {ship.name} has d = {d:.4g} m; give "
-            f"--waterline, its height above the file's zero: {height:.6g} for this draught"
         )
 
 

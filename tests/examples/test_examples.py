@@ -18,6 +18,7 @@ NEEDS = {
     "ppo_rllib": "tree",
     "ppo_skrl": "skrl",
     "ppo_tianshou": "tianshou",
+    "ppo_torchrl": "torchrl",
     "clone_pid": "minari",
 }  # tree: dm-tree
 
@@ -137,22 +138,23 @@ def test_rllib(example):
     judged_metrics(result, "rllib")
 
 
-@pytest.mark.parametrize("name", ["skrl", "tianshou"])
+@pytest.mark.parametrize("name", ["skrl", "tianshou", "torchrl"])
 def test_ppo_of_other_libraries(example, name):
     options = ["--envs", 8, "--iterations", 2, "--episode", 50, "--judge", 2, "--json"]
     code, out, err = example(f"ppo_{name}", *options)
     assert code == 0, err
-    assert json.loads(out)["samples"] == 2 * 64 * 8
-    judged_metrics(json.loads(out), name)
+    result = json.loads(out[out.index("{") :])
+    assert result["samples"] == 2 * 64 * 8
+    judged_metrics(result, name)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["skrl", "tianshou"])
+@pytest.mark.parametrize("name", ["skrl", "tianshou", "torchrl"])
 def test_ppo_of_other_libraries_learns(example, name):
     """100 iterations come near the PID; these see at least that the ship is steered at all."""
     code, out, err = example(f"ppo_{name}", "--iterations", 60, "--judge", 8, "--json")
     assert code == 0, err
-    metrics = judged_metrics(json.loads(out), name)
+    metrics = judged_metrics(json.loads(out[out.index("{") :]), name)
     assert metrics["success"][name] > 0.5
 
 
@@ -187,6 +189,7 @@ def test_torchrl_over_the_vector_environment(example, mode):
         "ppo_rllib",
         "ppo_skrl",
         "ppo_tianshou",
+        "ppo_torchrl",
         "torchrl_env",
         "torchrl_gym",
     ],

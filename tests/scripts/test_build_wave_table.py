@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import importlib
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,8 @@ from ship_gym.sea.wave_table import WaveTable
 from ship_gym.seakeeping import database, hull_form
 from ship_gym.seakeeping.database import Grid
 from ship_gym.seakeeping.hull_form import parametric_mesh
+from ship_gym.seakeeping.hull_mesh import capytaine_axes
+from ship_gym.ships import load_ship
 from ship_gym.ships.files import DATA
 
 NAME = "build_wave_table.py"
@@ -88,6 +91,48 @@ def test_speeds_end_where_the_engine_does_or_at_a_given_speed(call, grids, argum
     assert [grid.froude[-1] for grid in grids] == [last]
 
 
+HULL = parametric_mesh(load_ship("kcs"))
+
+
+def write_gdf(path, inward=False):
+    """KCS at full scale, its normals outward or inward."""
+    vertices, panels = capytaine_axes(HULL.both_sides())
+    corners = vertices[panels[:, ::-1] if inward else panels].reshape(-1, 3)
+    lines = [" ".join(f"{x:.9g}" for x in corner) for corner in corners]
+    Path(path).write_text("\n".join(["KCS", "1 9.81", "0 0", str(len(panels)), *lines]) + "\n")
+
+
+def test_the_repair_that_a_message_names_is_an_option(call, grids, monkeypatch):
+    """Each message is followed to the next until the hull is taken."""
+    seen = []
+    build = database.build
+    monkeypatch.setattr(
+        database, "build", lambda s, mesh, *a: (seen.append(mesh), build(s, mesh, *a))[1]
+    )
+    write_gdf("hull.gdf", inward=True)
+    text = Path("hull.gdf").read_text().splitlines()
+    points = [[1000.0 * float(x) for x in line.split()] for line in text[4:]]
+    moved = [f"{x + 1e5} {y} {z + 11000}" for x, y, z in points]
+    Path("hull.gdf").write_text("\n".join([*text[:4], *moved]) + "\n")
+    given = ["--ship", "kcs", "--mesh", "hull.gdf", "--panels", "own"]
+    for option in ("--scale", "--waterline", "--midship", "--flip-normals"):
+        code, _, err = call(*given)
+        assert code == 2 and err.count("\n") == 1 and not seen
+        name, value = re.search(rf"({option})(?: (-?[0-9.]+))?", err).groups()
+        if option == "--midship":  # of the perpendiculars: the message says about
+            assert float(re.search(r"about ([0-9.]+)", err)[1]) == pytest.approx(100.0, abs=4.0)
+            value = "100"
+        given += [name, value] if value else [name]
+    code, _, err = call(*given)
+    assert (code, err) == (0, "") and seen[0].count == HULL.count
+    assert given[6:8] == ["--scale", "0.001"] and given[10:] == [
+        "--midship",
+        "100",
+        "--flip-normals",
+    ]
+    assert float(given[9]) == pytest.approx(11.0, abs=1e-4)
+
+
 def test_json_has_the_card_and_the_comparison(call, grids):
     code, out, _ = call("--json", "--out", "there.npz")
     facts = json.loads(out)
@@ -139,6 +184,11 @@ def test_a_page_without_matplotlib_is_refused_before_any_work(call, grids, monke
         (["--ship", "kcs_modell"], "kcs_model"),
         (["--mesh", "none.stl"], "none.stl: no such file"),
         (["--mesh", "bad.stl"], "bad.stl"),
+        (["--mesh", "bad.stl", "--panels", "some"], "--panels = some: must be a whole number, or"),
+        (["--mesh", "bad.stl", "--panels", "3"], "--panels = 3: allowed is 40 to 20000"),
+        (["--mesh", "bad.stl", "--weld", "-1"], "--weld = -1: allowed is 0 to"),
+        (["--flip-normals"], "--flip-normals: belongs to a hull file: name it with --mesh"),
+        (["--scale", "2"], "--scale: belongs to a hull file"),
         (["--froude", "-0.1"], "froude = -0.1"),
         (["--froude", "nan"], "froude = nan"),
         (["--from", "none.npz"], "none.npz: no such wave table"),

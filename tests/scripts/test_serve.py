@@ -7,6 +7,7 @@ import socket
 import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -43,6 +44,10 @@ def test_a_voyage_is_recorded(cli):
     assert len(kept) == 7 and kept.meta["controller"] == "nmea"
     assert kept.meta["complete"] and kept.meta["outcome"] == "end of time"
     assert Chart.from_meta(kept.meta["chart"]).place(0.0, 0.0) == (60.0, 5.0)
+    assert kept.meta["frame"].startswith("x north, y east [m] in the plane about the place")
+    assert cli("review", "export", "a.rrd", "--out", "a.geojson")[0] == 0
+    line = json.loads(Path("a.geojson").read_text())["geometry"]
+    assert line["coordinates"][0][:2] == [5.0, 60.0]
     assert cli(*record)[0] == 0  # the same again
     code, _, err = cli(*record, "--seed", 5)
     assert code == 2 and "--record a.rrd: holds a recording of nmea" in err

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 from ship_gym.config import ConfigError
 from ship_gym.seakeeping import hull_cad
 from ship_gym.seakeeping.hull_file import read_hull
+from ship_gym.seakeeping.hull_mesh import boundary_edges
 from ship_gym.seakeeping.hydrostatics import hydrostatics
 from ship_gym.ships import load_ship
 
@@ -28,12 +30,15 @@ def ship():
     return dataclasses.replace(like, name="wigley", hull=hull, form=None, wind=None, strict=False)
 
 
-def patch(side):
-    """Control points (9 of x, y, z) of y = B/2 (1 - xi^2) (1 - zeta^2), z up."""
-    ahead, down = ((-1, 0), (0, 2), (1, 0)), ((0, 1), (0.5, 1), (1, 0))
-    return [
-        (0.5 * L * x, side * 0.5 * B * a * b, -D * z) for z, b in down for x, a in ahead
-    ]  # fmt: skip
+def patch(side, along=(-1.0, 1.0), down=(0.0, 1.0)):
+    """Control points (9 of x, y, z) of y = B/2 (1 - xi^2) (1 - zeta^2) over a part, z up.
+
+    Of a part from a to b they are the polar forms at (a, a), (a, b), (b, b).
+    """
+    (a, b), (c, d) = along, down
+    ahead = [(0.5 * (p + q), 1.0 - p * q) for p, q in ((a, a), (a, b), (b, b))]
+    deep = [(0.5 * (p + q), 1.0 - p * q) for p, q in ((c, c), (c, d), (d, d))]
+    return [(0.5 * L * x, side * 0.5 * B * f * g, -D * z) for z, g in deep for x, f in ahead]
 
 
 def iges(patches, flag, unit, by):
@@ -144,13 +149,25 @@ def test_a_coarse_hull_of_it(tmp_path, ship):
     assert hydrostatics(found).volume == pytest.approx(VOLUME, rel=0.008)
 
 
+def test_surfaces_that_meet_in_a_t_are_joined(tmp_path, ship):
+    """One surface aft, two above each other forward."""
+    pytest.importorskip("cascadio")
+    aft = patch(1.0, (-1.0, 0.1))
+    fore = [patch(1.0, (0.1, 1.0), part) for part in ((0.0, 0.37), (0.37, 1.0))]
+    (tmp_path / "hull.igs").write_text(iges([aft, *fore], 6, "M", 1.0))
+    found = read_hull(tmp_path / "hull.igs", ship, panels=None)
+    ends = found.vertices[boundary_edges(found)]
+    assert (np.abs(ends[..., 1:]).min(axis=2).max()) < 1e-3  # keel, stems and waterline only
+    assert hydrostatics(found).volume == pytest.approx(VOLUME, rel=2e-3)
+
+
 @pytest.mark.parametrize("name", ["hull.step", "hull.igs"])
 @pytest.mark.parametrize("text", ["", "nonsense", "ISO-10303-21;\nHEADER;"])
 def test_what_is_no_cad_file_is_one_line(tmp_path, ship, name, text):
     pytest.importorskip("cascadio")
     (tmp_path / name).write_text(text)
     kind = "IGES" if name.endswith("igs") else "STEP"
-    with pytest.raises(ConfigError, match=f"{name}: not a {kind} file with surfaces") as error:
+    with pytest.raises(ConfigError, match=f"{name}: no {kind} file with surfaces") as error:
         read_hull(tmp_path / name, ship)
     assert "\n" not in str(error.value)
 
@@ -160,7 +177,7 @@ def test_a_reader_that_dies_is_one_line(tmp_path, ship, monkeypatch):
     pytest.importorskip("cascadio")
     monkeypatch.setattr(hull_cad, "_CHILD", "import os; os.abort()")
     (tmp_path / "hull.stp").write_text(FILES["metres.stp"])
-    with pytest.raises(ConfigError, match=r"hull.stp: not a STEP file with surfaces, or damaged"):
+    with pytest.raises(ConfigError, match=r"hull.stp: no STEP file with surfaces, or damaged"):
         read_hull(tmp_path / "hull.stp", ship)
     monkeypatch.setattr(hull_cad, "_CHILD", "import time; time.sleep(30)")
     monkeypatch.setattr(hull_cad, "_SECONDS", 0.5)

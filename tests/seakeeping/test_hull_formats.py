@@ -173,6 +173,55 @@ def test_meshes_of_meshio_are_read(tmp_path, ending):
     assert hydrostatics(found).volume == pytest.approx(VOLUME, rel=1e-6)
 
 
+@pytest.mark.parametrize("ending", ["stl", "obj", "ply", "off", "glb"])
+def test_surfaces_of_trimesh_are_read(tmp_path, ending):
+    trimesh = pytest.importorskip("trimesh")
+    vertices, panels = capytaine_axes(WHOLE)
+    faces = np.concatenate([panels[:, :3], panels[panels[:, 2] != panels[:, 3]][:, [0, 2, 3]]])
+    path = tmp_path / f"hull.{ending}"
+    trimesh.Trimesh(vertices, faces, process=False).export(path)
+    found = read_hull(path, SHIP, panels=None)
+    assert hydrostatics(found).volume == pytest.approx(VOLUME, rel=1e-3)  # split one way
+
+
+def corners_of(panels):
+    """Lists of three or four numbers of vertices from 0."""
+    return [list(dict.fromkeys(row)) for row in panels.tolist()]
+
+
+def nastran(vertices, panels):
+    lines = [f"GRID,{i},,{x:.6f},{y:.6f},{z:.6f}" for i, (x, y, z) in enumerate(vertices, 1)]
+    for i, row in enumerate(corners_of(panels + 1), 1):
+        kind = "CQUAD4" if len(row) == 4 else "CTRIA3"
+        lines.append(f"{kind},{i},1," + ",".join(str(j) for j in row))
+    return ["CEND", "BEGIN BULK", *lines, "ENDDATA"]
+
+
+def su2(vertices, panels):
+    faces = [
+        f"{9 if len(row) == 4 else 5} " + " ".join(str(j) for j in row) + f" {i}"
+        for i, row in enumerate(corners_of(panels))
+    ]
+    points = rows(vertices, np.arange(len(vertices)))
+    return ["NDIME= 3", f"NELEM= {len(faces)}", *faces, f"NPOIN= {len(points)}", *points]
+
+
+def ugrid(vertices, panels):
+    found = corners_of(panels + 1)
+    faces = [" ".join(str(j) for j in row) for n in (3, 4) for row in found if len(row) == n]
+    three = sum(len(row) == 3 for row in found)
+    head = f"{len(vertices)} {three} {len(found) - three} 0 0 0 0"
+    return [head, *rows(vertices), *faces, *["1"] * len(found)]
+
+
+@pytest.mark.parametrize("ending, lines", [("nas", nastran), ("su2", su2), ("ugrid", ugrid)])
+def test_meshes_of_flow_and_structure_programs_are_read(tmp_path, ending, lines):
+    pytest.importorskip("meshio")
+    path = written(tmp_path / f"hull.{ending}", lines(*capytaine_axes(WHOLE)))
+    found = read_hull(path, SHIP, panels=None)
+    assert hydrostatics(found).volume == pytest.approx(VOLUME, rel=1e-6)
+
+
 def test_faces_of_second_order_count_by_their_corners(tmp_path):
     meshio = pytest.importorskip("meshio")
     vertices, panels = capytaine_axes(WHOLE)

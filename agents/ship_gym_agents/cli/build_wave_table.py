@@ -11,9 +11,10 @@ import click
 from ship_gym_agents.cli.options import force, jobs, out, report, ship, verb
 from ship_gym_agents.cli.values import Number, OwnNumber
 
-_HULL_FILE = (
-    "scale", "forward", "up", "midship", "waterline", "flip_normals", "fix_normals", "weld",
-)  # fmt: skip
+_HULL_FILE = {  # options of --mesh and what they are without a word
+    "scale": 1.0, "forward": "+x", "up": "+z", "midship": 0.0, "waterline": 0.0,
+    "flip_normals": False, "fix_normals": False, "weld": None, "panels": 704,
+}  # fmt: skip
 
 
 @verb(
@@ -41,7 +42,7 @@ _HULL_FILE = (
 @click.option(
     "--panels",
     type=OwnNumber(40, 20000),
-    default=704,
+    default=_HULL_FILE["panels"],
     show_default=True,
     help="Panels made of it for both sides; own: as they are.",
 )
@@ -125,18 +126,18 @@ def _hull(asked: Asked, ship: Any):
         _check_alone(asked)
         return hull_form.parametric_mesh(ship)
     where = {name: getattr(asked, name) for name in _HULL_FILE}
-    panels = None if asked.panels == "own" else asked.panels
-    return hull_file.read_hull(asked.mesh, ship, panels=panels, **where)
+    where["panels"] = None if asked.panels == "own" else asked.panels
+    return hull_file.read_hull(asked.mesh, ship, **where)
 
 
 def _check_alone(asked: Asked) -> None:
     """Refuse an option of a hull file where there is none."""
     from ship_gym.config import ConfigError
 
-    for option in command.params:
-        if option.name in (*_HULL_FILE, "panels"):
-            if getattr(asked, option.name) != option.default and option.default is not None:
-                raise ConfigError(f"{option.opts[0]}: belongs to a hull file: name it with --mesh")
+    for name, without in _HULL_FILE.items():
+        if getattr(asked, name) != without:
+            option = "--" + name.replace("_", "-")
+            raise ConfigError(f"{option}: belongs to a hull file: name it with --mesh")
 
 
 def _existing(asked: Asked) -> Made:

@@ -167,7 +167,7 @@ def _vessel(task, controller, waters, options: Mapping[str, Any]) -> Any:
 
 def _announce(ports: Any) -> None:
     """Say on stderr where to connect, and who may if that is more than this machine."""
-    from ship_gym_agents.serve.ports import ip_of
+    from ship_gym_agents.serve.binding import ip_of
 
     kinds = " and ".join(kind.upper() for kind, *_ in ports.bound)
     if not ip_of(ports.address).is_loopback:

@@ -88,7 +88,7 @@ def _talker(text: str) -> str | None:
 def targets(given: Iterable[str], listen: str, kinds: Sequence[str]) -> list[tuple[str, int]]:
     """Addresses and ports of ``--udp-to``, such as 127.0.0.1:2000 or [::1]:2000."""
     from ship_gym.config import ConfigError
-    from ship_gym_agents.serve.ports import ip_of
+    from ship_gym_agents.serve.binding import ip_of
 
     found, own = [], ip_of(listen)
     for text in given:

@@ -2,5 +2,6 @@
 
 ``nmea`` makes and reads sentences, ``orders`` says what one orders, ``instruments`` what the
 instruments of the ship show, ``talk`` the sentences of that; ``vessel`` is the ship, ``voyage`` her
-route, ``ports`` the sockets, ``server`` the loop over time. docs/autopilot_loop.md.
+route, ``binding`` where sockets listen, ``ports`` who is on them, ``server`` the loop over time.
+docs/autopilot_loop.md.
 """

@@ -8,21 +8,18 @@ docs/autopilot_loop.md says what that means.
 from __future__ import annotations
 
 import contextlib
-import ipaddress
 import selectors
 import socket
 import time
 from collections import deque
 from typing import Any, NamedTuple
 
-from ship_gym.config import ConfigError
+from ship_gym_agents.serve.binding import LOOPBACK, bound_pair, ip_of
 
-LOOPBACK = "127.0.0.1"
 MOST = 32  # clients of each kind
 _WAITING = 1 << 20  # bytes that a slow reader may leave, then he is left
 _UNENDED = 1024  # bytes of a line that does not end
 _READ = 4096
-_TRIES = 20  # of a free port for both kinds
 
 
 class Peer(NamedTuple):
@@ -90,7 +87,7 @@ class Ports:
         self._known: dict[Any, None] = {}  # UDP clients, the one silent longest first
         self._new: list[Peer] = []
         self._lines: deque[Line] = deque()
-        self._tcp, self._udp, self.port = _bound(ip_of(address), port, kinds)
+        self._tcp, self._udp, self.port = bound_pair(ip_of(address), port, kinds)
         self._selector = selectors.DefaultSelector()
         self._wake, self._woken = socket.socketpair()
         for held in (self._tcp, self._udp, self._woken):
@@ -251,53 +248,6 @@ class Ports:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-def ip_of(address: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
-    """A literal IP address; names of hosts are not asked for."""
-    try:
-        return ipaddress.ip_address(address)
-    except ValueError:
-        raise ConfigError(
-            f"listen = {address[:60]!r}: must be an IP address such as 127.0.0.1"
-        ) from None
-
-
-def _bound(ip: Any, port: int, kinds: tuple[str, ...]) -> tuple[Any, Any, int]:
-    """Sockets of TCP and UDP, None where a kind is not wanted, on one port."""
-    tries = _TRIES if port == 0 and len(kinds) == 2 else 1
-    for k in range(tries):
-        tcp = udp = None
-        try:
-            if "tcp" in kinds:
-                tcp = _listening(ip, port, socket.SOCK_STREAM)
-            at = tcp.getsockname()[1] if tcp is not None else port
-            if "udp" in kinds:
-                udp = _listening(ip, at, socket.SOCK_DGRAM)
-                at = udp.getsockname()[1]
-        except OSError as error:
-            if tcp is not None:
-                tcp.close()
-            if k == tries - 1:
-                what = error.strerror or str(error)
-                raise ConfigError(f"cannot listen on {ip} port {port}: {what}") from error
-        else:
-            return tcp, udp, at
-    raise AssertionError  # pragma: no cover
-
-
-def _listening(ip: Any, port: int, kind: socket.SocketKind) -> socket.socket:
-    held = socket.socket(socket.AF_INET if ip.version == 4 else socket.AF_INET6, kind)
-    try:
-        if kind == socket.SOCK_STREAM:
-            held.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        held.bind((str(ip), port))
-        if kind == socket.SOCK_STREAM:
-            held.listen()
-    except OSError:
-        held.close()
-        raise
-    return held
 
 
 def _split(data: bytes) -> list[bytes]:

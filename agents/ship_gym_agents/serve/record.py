@@ -25,18 +25,18 @@ class VoyageRecord:
     ----------
     path : Path
     vessel : SteeredShip
-    about : mapping
-        Further meta, such as the chart.
+    given : mapping
+        Where she sails, as ``EpisodeBatch.given``: chart and route.
     """
 
-    def __init__(self, path: Path, vessel: SteeredShip, about: Mapping[str, Any]):
+    def __init__(self, path: Path, vessel: SteeredShip, given: Mapping[str, Any]):
         batch = vessel.batch
         self._log = EpisodeLog(batch, 1)
         self._log.begin(np.array([0]))
         self._log.before()
         self._vessel = vessel
-        conditions = conditions_of(batch, 0, Setting(vessel.scenario, vessel.ship))
-        told = about_run(CONTROLLER, None, vessel.seed, provenance()) | dict(about)
+        conditions = conditions_of(batch, 0, Setting(vessel.scenario, vessel.ship, given))
+        told = about_run(CONTROLLER, None, vessel.seed, provenance())
         self._stream = Streamed(path, self._log, 0, conditions, told)
         batch.watch(self)
 

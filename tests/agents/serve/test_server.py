@@ -222,7 +222,7 @@ def test_planned_turns_lead_to_the_way_points_of_the_route():
     from ship_gym_agents.serve.instruments import Seen
 
     from ship_gym.charts.geodesy import rhumb
-    from ship_gym.tracks.route import Route, Waypoint
+    from ship_gym.tracks import Route, Waypoint
 
     points = [(54.0, 8.0, "START"), (54.05, 8.0, "corner, *$!"), (54.05, 8.1, "")]
     radii = (None, 1500.0, None)
