@@ -7,6 +7,7 @@ program, the verb and its options, the script or the extra exist. What is neithe
 """
 
 import ast
+import contextlib
 import inspect
 import re
 import shlex
@@ -102,6 +103,13 @@ def test_commands_name_what_exists(block: Block):
             check_command([w for w in shlex.split(part, comments=True) if w != "&"])
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_commands_in_a_line_name_what_exists(page):
+    text = re.sub(r"^```.*?^```$", "", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
+    for line in re.findall(r"`(ship-gym [a-z][^`\n]*)`", text):
+        check_command(shlex.split(line, comments=True))
+
+
 def check_command(words):
     """Program and what it is given."""
     while words and re.fullmatch(r"[A-Z_]+=.*", words[0]):
@@ -131,4 +139,23 @@ def check_verb(words):
         command, words = below, words[1:]
         context = click.Context(command, parent=context, resilient_parsing=True)
     context.resilient_parsing = False
-    command.make_parser(context).parse_args(list(words))
+    with contextlib.suppress(click.BadOptionUsage):  # named without its value, or may stand alone
+        command.make_parser(context).parse_args(list(words))
+
+
+@pytest.mark.parametrize(
+    "line", ["ship-gym trian", "ship-gym train --minuets 2", "bash scripts/gone.sh", "rm -rf ."]
+)
+def test_a_command_that_is_not_there_is_noticed(line):
+    with pytest.raises((AssertionError, click.NoSuchOption)):
+        check_command(line.split())
+
+
+def test_a_name_that_is_not_there_is_noticed():
+    for code in (
+        "import ship_gym.gone",
+        "ship_gym.gone()",
+        'gym.make("ShipGym/HeadingKeeping-v0", g=1)',
+    ):
+        with pytest.raises((AssertionError, AttributeError)):
+            test_python_compiles_and_names_what_exists(Block("page", 1, "python", code, None))
