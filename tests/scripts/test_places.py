@@ -38,7 +38,7 @@ USUAL = {
 # verbs that print only, or write only where they are told to, or beside what they read
 OTHERS = {
     *("report", "review", "export", "trials", "linearise", "tune", "speed", "warm-up", "list"),
-    *("serve", "completion", "route"),
+    *("serve", "completion", "route", "new-ship"),
 }
 # what must stand before --out for it to be looked at, and extensions that depend on it
 BEFORE = {"export": ["ppo_kcs"], "review export": ["none.rrd"], "route": ["none.rtz"]}
