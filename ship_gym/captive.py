@@ -198,7 +198,7 @@ def _swinging(run: Condition, phase: float, L: float) -> tuple[Motion, Motion]:
 
 def _harmonics(phase: np.ndarray, rows: np.ndarray) -> dict[str, float]:
     """Mean and harmonics of samples, shapes (m,) and (m, axes)."""
-    found = {}
+    found: dict[str, float] = {}
     for k, axis in enumerate(AXES):
         values = rows[:, k]
         parts = [values.mean()]

@@ -209,7 +209,9 @@ class LinearModel:
         }
 
 
-def linearise(ship: Named | Ship, speed: float | None = None, n: float | None = None):
+def linearise(
+    ship: Named | Ship, speed: float | None = None, n: float | None = None
+) -> LinearModel:
     """Linear model of a ship about straight sailing in calm deep water, rudder neutral.
 
     Central differences of forces and accelerations of ``ship_gym.physics`` with steps of 1e-4 in

@@ -375,7 +375,9 @@ def recording(result: Any) -> Trajectory:
         ``curves`` (a spiral's measures of many values) in its meta.
     """
     full = result.trajectory
-    metrics, units, curves = {}, {}, {}
+    metrics: dict[str, Any] = {}
+    units: dict[str, str] = {}
+    curves: dict[str, Any] = {}
     for name, value in result.measures().items():
         if not isinstance(value, tuple):
             found = {name: value if math.isfinite(value) else None}

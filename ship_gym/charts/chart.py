@@ -57,7 +57,8 @@ class Chart:
         """
         latitude = check_number("latitude", latitude, -geodesy.HIGHEST, geodesy.HIGHEST, "deg")
         longitude = check_number("longitude", longitude, -180.0, 180.0, "deg")
-        return cls(*([value] for value in (latitude, longitude, 0.0, 0.0)))
+        columns: Any = ([value] for value in (latitude, longitude, 0.0, 0.0))
+        return cls(*columns)
 
     @classmethod
     def laid(cls, latitude: Any, longitude: Any) -> Chart:

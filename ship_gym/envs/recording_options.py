@@ -22,7 +22,7 @@ _KEEP = ("all", "failed", "worst")
 class RecordingOptions:
     """Options of ``RecordRerun``, see there."""
 
-    folder: Path
+    folder: Any  # str or path; then a Path
     episodes: Any = "all"
     keep: Any = "all"
     by: str | None = None

@@ -175,7 +175,8 @@ class SeaRange:
                 f"sea.states = {list(self.states)} together with wave_height = {self.wave_height}, "
                 f"wind_speed = {self.wind_speed}: allowed is either the states or the numbers"
             )
-        given, of = {}, ""
+        given: set[str] = set()
+        of = ""
         if self.states:
             of = f"sea.states = {list(self.states)}: the states bring their own"
             given = {"peak_period", "wavelength", "spectrum_file"}
