@@ -67,7 +67,7 @@ class Condition:
     yaw_rate: float = 0.0
     omega: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_number("captive speed", self.speed, 1e-3, 100.0, "m/s")
         check_number("captive n", self.n, 0.0, 1e3, "rev/s")
         check_angle("captive beta", self.beta, math.pi)

@@ -489,7 +489,7 @@ def longest_step(ship: Ship) -> float:
     return ship.hull.L / (28.0 * max(ship.speed, ship.file_speed))
 
 
-def straight_forces(ship: Ship, speed: float, n: float):
+def straight_forces(ship: Ship, speed: float, n: float) -> Any:
     """Forces on a straight course with the rudder amidships, as ``physics.dynamics.forces``."""
     made = fleet([ship])
     tables = Tables(made.open_water[0], made.deflected[0])

@@ -273,7 +273,7 @@ class ShipEnv(gym.Env):
         observation = self.episodes.observations[0]
         return observation.copy() if self._copy else observation
 
-    def render(self):
+    def render(self) -> Any:
         """Picture of the present instant, uint8 (height, width, 3); None in mode ``"human"``."""
         if self._screen is None:
             raise ConfigError(
@@ -281,7 +281,7 @@ class ShipEnv(gym.Env):
             )
         return self._screen.picture()
 
-    def elevation(self, x, y, t=None) -> np.ndarray:
+    def elevation(self, x: Any, y: Any, t: Any = None) -> np.ndarray:
         """Elevation of the sea above still water at places and times [m], ``ShipSim.elevation``."""
         return self.episodes.sim.elevation(x, y, t)
 

@@ -32,7 +32,7 @@ class RecordingOptions:
     policy: Any = None
     picture: bool = True
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not isinstance(self.folder, str | os.PathLike) or not os.fspath(self.folder):
             raise ConfigError(f"folder = {self.folder!r}: must be a path")
         self.folder = Path(self.folder).absolute()  # wherever the process goes

@@ -66,6 +66,8 @@ class ShipVectorEnv(VectorEnv):
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
 
+    _recording: Any = None  # also of one that `__init__` refuses: gymnasium closes it too
+
     def __init__(
         self,
         num_envs: int = 1,
@@ -227,7 +229,7 @@ class ShipVectorEnv(VectorEnv):
             for i in which:
                 self._screens[i].begin()
 
-    def _seeds(self, seed) -> list[int | None]:
+    def _seeds(self, seed: Any) -> list[int | None]:
         if seed is None:
             return [None] * self.num_envs
         if isinstance(seed, int | np.integer) and not isinstance(seed, bool) and seed >= 0:

@@ -8,6 +8,7 @@ import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -188,7 +189,7 @@ def _check_extension(path: str | os.PathLike, allowed: str) -> None:
         raise ConfigError(f"path = {os.fspath(path)!r}: allowed is a {allowed} file")
 
 
-def import_rerun_export():
+def import_rerun_export() -> ModuleType:
     """Import the exporter late: rerun is optional, large, and not wanted by ``import ship_gym``."""
     try:
         from ship_gym.recording import rerun_export

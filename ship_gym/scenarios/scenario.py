@@ -78,7 +78,7 @@ class Scenario:
 
         def __getattr__(self, name: str) -> Any: ...
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_known("control", self.control, ACTIONS)
         check_number("speed", self.speed, 0.1, 2.0)
         check_number("astern", self.astern, 0.0, 1.0)
@@ -118,7 +118,7 @@ class Scenario:
         """The same of another duration [full-scale s]."""
         return _from(self._source, dataclasses.replace(self, duration=duration))
 
-    def __reduce__(self):
+    def __reduce__(self) -> Any:
         """Pickle by values: the class is made for the task."""
         return _again, (self._source, self.to_dict())
 

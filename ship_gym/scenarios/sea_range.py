@@ -144,7 +144,7 @@ class SeaRange:
     spectrum_directions: str = ""
     spectrum_north: bool = False
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         angle = (-_FULL_TURN_DEG, _FULL_TURN_DEG, "deg")
         ranges = {
             "current_speed": (0.0, 10.0, "m/s"),

@@ -47,7 +47,7 @@ class Route:
     waypoints: tuple[Waypoint, ...]
     legs: tuple[Leg, ...] = ()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "name", checked_name(self.name))
         waypoints, legs = tuple(self.waypoints), tuple(self.legs)
         check_count(len(waypoints))
