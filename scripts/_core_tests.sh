@@ -27,7 +27,7 @@ run_pytest() { # FILES...
 use_command() { # FOLDER for what it writes
     local command
     command="$(dirname "$PY")/ship-gym"
-    "$command" list ships
-    "$command" evaluate --controllers pid --episodes 2 --set duration=100 --out "$1/evaluation.json"
+    "$command" list ships >/dev/null
+    "$command" evaluate --controllers pid --episodes 2 --set duration=100 --out "$1/evaluation.json" >/dev/null
     "$command" simulate turning --out "$1/turn.png" --csv "$1/turn.csv" >/dev/null
 }
