@@ -13,7 +13,7 @@ PY="$VENV/bin/python"
 # or wheel folder offers one, and the `rl` extra (torch>=2.13) then finds itself satisfied. On a
 # machine whose index offers a CUDA build only, the same line works; the download is just larger.
 TORCH="torch==2.13.0"
-EXTRAS="rl,fit,rerun,plot,bem,geo,spectra,fmu,nmea,render,video,benchmark,tune,ray,dev"
+EXTRAS="rl,fit,rerun,plot,cad,geo,spectra,fmu,nmea,render,video,benchmark,tune,ray,docs,dev"
 
 # Holds "unfinished" while we install, then the fingerprint of what was installed.
 STAMP="$VENV/.ship-gym-stamp"

@@ -78,6 +78,7 @@ _PUBLIC = {
     "load_ship": "ship_gym.ships.loader",
     "load_track": "ship_gym.tracks.files",
     "load_wave_table": "ship_gym.sea.wave_response",
+    "measured_sea": "ship_gym.sea.state",
     "observation_columns": "ship_gym.tasks.columns",
     "scaled": "ship_gym.ships.scaling",
     **{class_name(task): "ship_gym.envs.classes" for task in TASKS},

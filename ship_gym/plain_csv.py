@@ -81,6 +81,8 @@ def read_plain_csv(path: str | Path, least: int = 1) -> PlainCsv:
     if len(rows) < 1 + least:
         raise ConfigError(f"{path}: needs a row of column names and at least {least} of numbers")
     names = [name.strip() for name in rows[0]]
+    if len(names) == 1 and (mark := next((m for m in ";\t" if m in names[0]), "")):
+        raise ConfigError(f"{path}:{kept[0][0]}: cells are parted by {mark!r}: allowed is ','")
     if double := [name for name in names if names.count(name) > 1]:
         raise ConfigError(f"{path}:{kept[0][0]}: column {shown(double[0])} is there twice")
     for (line, _), row in zip(kept, rows, strict=True):

@@ -133,6 +133,13 @@ def captive(path):
     read_measured(path, load_ship("kvlcc2_model"))
 
 
+def free_record(path):
+    from ship_gym.identification.records import read_record
+    from ship_gym.ships import load_ship
+
+    read_record(path, load_ship("kvlcc2_model"))
+
+
 def samples(path):
     from ship_gym.surrogates.own import own_data_set
 
@@ -375,6 +382,7 @@ READERS = {
     "csv": (csv, "a.csv"),
     "plain csv": (plain_csv, "a.csv"),
     "captive tests": (captive, "a.csv"),
+    "record of a free ship": (free_record, "a.csv"),
     "samples": (samples, "a.csv"),
     "values of trials": (trial_values, "a.csv"),
     "track csv": (track, "track.csv"),
@@ -616,6 +624,8 @@ READS = {
     "ship_gym/evaluation/run_folder.py": {"settings of a benchmark"},
     "ship_gym/evaluation/score.py": {"references"},
     "ship_gym/evaluation/suite.py": {"suite"},
+    "ship_gym/identification/records.py": {"record of a free ship"},
+    "ship_gym/identification/ship_text.py": {"ship"},
     "ship_gym/keys.py": {"settings of a benchmark", "card of a run"},
     "ship_gym/locks.py": "a lock file: a number and words of another process",
     "ship_gym/physics/_cache.py": "a lock file, nothing of it is read",

@@ -70,7 +70,13 @@ def train(env: TransformedEnv, iterations: int, seed: int) -> Actor:
     optimiser = torch.optim.Adam(loss.parameters(), lr=5e-4, eps=1e-5)
     frames = HORIZON * env.batch_size[0]
     env.set_seed(seed)
-    collector = Collector(env, policy, frames_per_batch=frames, total_frames=frames * iterations)
+    collector = Collector(
+        env,
+        policy,
+        frames_per_batch=frames,
+        total_frames=frames * iterations,
+        auto_register_policy_transforms=False,  # those of recurrent policies
+    )
     for k, sailed in enumerate(progress(collector, "training", iterations)):
         advantages(sailed)
         sailed = sailed.reshape(-1)

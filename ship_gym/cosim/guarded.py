@@ -31,10 +31,13 @@ class GuardedUnit:
     ----------
     broken : str
         Why no step is made until the unit is reset; empty: nothing is wrong.
+    refused : bool
+        Whether the last step was refused. Then outputs are nan until one is made: a master that
+        passes over the status must not take the ship of before for that of now.
     """
 
     def __init__(self, unit: ShipUnit, log: Callable[[str], None]):
-        self.unit, self._log, self.broken = unit, log, ""
+        self.unit, self._log, self.broken, self.refused = unit, log, "", False
 
     @contextlib.contextmanager
     def _kept(self) -> Iterator[None]:
@@ -48,7 +51,7 @@ class GuardedUnit:
 
     def get(self, variable: Variable) -> Any:
         """Value of a variable; nan of an output that cannot be had."""
-        if self.broken and variable.name not in self.unit.values:
+        if (self.broken or self.refused) and variable.name not in self.unit.values:
             return math.nan
         with self._kept():
             return self.unit.get(variable.name)
@@ -61,6 +64,7 @@ class GuardedUnit:
 
     def start(self) -> None:
         """Put the ship at the start."""
+        self.refused = False
         if not self.broken:
             with self._kept():
                 self.unit.start()
@@ -73,6 +77,7 @@ class GuardedUnit:
                 refused = self.unit.step(time, interval)
             if self.broken:
                 return False
+        self.refused = bool(refused)
         if refused:
             self._log(one_line(refused))
         return not refused
@@ -93,7 +98,7 @@ class GuardedUnit:
         """As `ShipUnit.restore`."""
         with self._kept():
             self.unit.restore(state)
-            self.broken = ""
+            self.broken, self.refused = "", False
 
 
 def one_line(text: str) -> str:

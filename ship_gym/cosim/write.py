@@ -44,7 +44,7 @@ _STEP = 1.0  # [s] that is proposed to a master
 
 
 def write_fmu(
-    ship: str | os.PathLike, path: str | os.PathLike, fmi: str = "2", **given: Any
+    ship: str | os.PathLike, path: str | os.PathLike, fmi: str | int = "2", **given: Any
 ) -> list[Path]:
     """Write a ship as FMU, and beside it its groups of variables for OSP.
 
@@ -54,8 +54,8 @@ def write_fmu(
         Name, or ship file: with all that lies beside it for it, it goes into the FMU.
     path : path
         ``MODEL.fmu``; the model has this name.
-    fmi : str
-        Version of FMI, ``"2"`` or ``"3"``.
+    fmi : str or int
+        Version of FMI, 2 or 3.
     **given
         What parameters start with, as in ``values.start_values``.
 
@@ -71,6 +71,7 @@ def write_fmu(
     ImportError
         pythonfmu, or pythonfmu3, is not installed.
     """
+    fmi = str(fmi)
     check_known("version of FMI", fmi, EXPORTERS)
     if find_spec(EXPORTERS[fmi]) is None:
         raise ImportError(f'an FMU needs {EXPORTERS[fmi]}: pip install "ship-gym[fmu]"')

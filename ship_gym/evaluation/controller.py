@@ -17,12 +17,12 @@ from ship_gym.tasks.columns import action_columns
 class Controller(Protocol):
     """Anything that steers: an autopilot, a policy, a constant.
 
+    It may have an attribute `file`, what it was loaded from: a recording names it with its SHA-256.
+
     Attributes
     ----------
     name : str
         Shown in tables.
-
-    It may have an attribute `file`, what it was loaded from: a recording names it with its SHA-256.
     """
 
     name: str

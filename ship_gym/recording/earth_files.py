@@ -102,6 +102,7 @@ def _geojson(trajectory: Trajectory, places, chart: Chart, start) -> str:
     properties = {
         "name": run_name(meta),
         "description": voyage_mark(trajectory),
+        "units": "deg",
         **{name: meta[name] for name in ("outcome", "seed", "controller") if name in meta},
         "duration": float(trajectory["t"][-1] - trajectory["t"][0]),
     }

@@ -7,7 +7,7 @@ import functools
 import math
 from typing import Any, ClassVar, NamedTuple
 
-from ship_gym.config import ConfigError, check_fields, check_known, check_number, shown
+from ship_gym.config import ConfigError, check_fields, check_known, check_number, shown, told_of
 from ship_gym.sea.components import omega_of_length
 from ship_gym.sea.measured import MeasuredSpectrum
 from ship_gym.sea.sea_states import SeaState, sea_state
@@ -247,12 +247,13 @@ class SeaRange:
         waves = WaveSystem(self.spectrum, height, peak_period, spreading=self.spreading)
         if not self.swell_height > 0.0:
             return {"waves": (waves,) if height > 0.0 else ()}
-        swell = WaveSystem(
-            self.swell_spectrum,
-            self.swell_height,
-            self.swell_period,
-            spreading=self.swell_spreading,
-        )
+        with told_of("sea.swell_..."):  # what is wrong with it is said of "waves", as of all
+            swell = WaveSystem(
+                self.swell_spectrum,
+                self.swell_height,
+                self.swell_period,
+                spreading=self.swell_spreading,
+            )
         return {"waves": (waves, swell)}
 
     def _measured(self) -> MeasuredSpectrum:

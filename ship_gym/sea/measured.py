@@ -6,7 +6,8 @@ kept to rounding. A strip has the distribution over directions of its own freque
 to one quantile of it, and the quantiles are dealt in the order of multiples of the golden ratio, as
 those of a spreading function are. At most `N_DIRECTIONS` different directions are left, which
 neighbours share (Ward's clusters), and all are turned together until the mean direction is that of
-the spectrum. What a wave number is, is said of deep water.
+the spectrum, if it has one: of seas that go against each other it is chance. What a wave number
+is, is said of deep water.
 
 Directions here are those to which waves go, clockwise from north; ``sea.spectrum_files`` converts.
 """
@@ -34,6 +35,7 @@ from ship_gym.sea.spectra import check_spreading, check_steepness
 _HIGHEST = 30.0  # significant height [m]
 _FINE = (20001, 4001)  # frequencies of the integration, without and with directions
 _LEAST = 3  # frequencies
+_AIMLESS = 0.2  # length of the mean unit vector below which its direction is chance
 
 
 @dataclasses.dataclass(frozen=True)
@@ -211,6 +213,8 @@ def _directions(spectrum: MeasuredSpectrum, fine: np.ndarray, count: int) -> np.
     u = (golden_order(count) + 0.5) / count
     found = np.array([_quantile(*pair, off[order], half) for pair in zip(shares, u, strict=True)])
     found = _shared(found)
+    if math.hypot(*spectrum._moment) < _AIMLESS:
+        return found
     return found - math.atan2(np.sin(found).mean(), np.cos(found).mean())
 
 

@@ -9,6 +9,8 @@ import numpy as np
 from ship_gym.config import ConfigError, shown
 from ship_gym.sea.measured import MeasuredSpectrum, bin_width
 
+LONGEST_R_1 = 1.02  # of a mean unit vector of rounded numbers; none is above 1
+
 
 def of_directions(frequency, direction, density) -> MeasuredSpectrum:
     """A two-dimensional spectrum.
@@ -63,6 +65,19 @@ def of_moments(frequency, density, direction, r_1) -> MeasuredSpectrum:
     shares **= (r / (1.0 - r))[:, None]
     shares /= shares.sum(axis=1)[:, None]
     return MeasuredSpectrum(tuple(frequency), tuple(density), tuple(to), _rows(shares))
+
+
+def r_1_of(spread: np.ndarray) -> np.ndarray:
+    """Length of the mean unit vector by the spread sqrt(2 (1 - r)) of a buoy [rad]."""
+    return 1.0 - 0.5 * np.asarray(spread) ** 2
+
+
+def check_spread(spread: np.ndarray) -> np.ndarray:
+    """Refuse spreads [rad] that no directions have, which reach sqrt(2)."""
+    for value in spread[~((spread >= 0.0) & (spread <= math.sqrt(2.0)))]:
+        deg = math.degrees(value)
+        raise ConfigError(f"spread = {deg:.4g} deg: allowed is 0 to 81 deg (1.414 rad)")
+    return spread
 
 
 def _rows(values: np.ndarray) -> tuple[tuple[float, ...], ...]:

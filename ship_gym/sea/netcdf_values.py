@@ -10,6 +10,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError, shown
 from ship_gym.reading import read_as
+from ship_gym.sea.measured_forms import LONGEST_R_1
 
 _DEG = ("deg", "degree", "degrees", "degrees_true", "degree_true", "degreet")
 _RAD = ("rad", "radian", "radians")
@@ -39,6 +40,26 @@ def unit_of(variable: Any, allowed: tuple[tuple[tuple[str, ...], float], ...]) -
 def angles(variable: Any) -> np.ndarray:
     """Angles [rad]."""
     return numbers(variable) * unit_of(variable, ((_DEG, math.pi / 180.0), (_RAD, 1.0)))
+
+
+def bearings(variable: Any) -> np.ndarray:
+    """Directions [rad]; refuse those of more than a full turn, such as 999 for a missing one."""
+    found = angles(variable)
+    for index in np.argwhere(np.abs(found) > 2.0 * math.pi + 1e-6):
+        place, deg = ", ".join(map(str, index)), math.degrees(found[tuple(index)])
+        raise ConfigError(
+            f"{variable.name}[{place}] = {deg:.6g} deg: allowed is -360 to 360 deg; missing ones "
+            "are nan or _FillValue"
+        )
+    return found
+
+
+def check_r_1(name: object, values: np.ndarray) -> np.ndarray:
+    """Refuse a length of a mean unit vector that is none; old NDBC files have a hundredfold."""
+    for index in np.argwhere((values < 0.0) | (values > LONGEST_R_1)):
+        place = ", ".join(map(str, index))
+        raise ConfigError(f"{name}[{place}] = {values[tuple(index)]:.6g}: allowed is 0 to 1")
+    return values
 
 
 def frequencies(variable: Any) -> np.ndarray:

@@ -25,7 +25,7 @@ import numpy as np
 from ship_gym.config import ConfigError, nearest, shown, told_of
 from ship_gym.plain_csv import PlainCsv, read_plain_csv
 from ship_gym.sea.measured import MeasuredSpectrum
-from ship_gym.sea.measured_forms import of_directions, of_moments
+from ship_gym.sea.measured_forms import LONGEST_R_1, of_directions, of_moments, r_1_of
 
 WAYS = ("from", "to")
 _NETCDF = (".nc", ".nc3", ".nc4", ".cdf", ".netcdf")
@@ -37,6 +37,7 @@ _UNITS = {
     "r1": {"-": 1.0},
     "moment": {"-": 1.0},
 }
+_TURN = 6.28319  # [rad]
 _OF_TWO = {"m2/Hz/rad": 1.0, "m2/Hz/deg": 180.0 / math.pi}
 _KIND = {"direction_from": "direction", "direction_to": "direction"} | {
     f"{name}_{way}": "moment" for name in ("a1", "b1") for way in WAYS
@@ -99,25 +100,13 @@ def _kept(path: str, pick: str, directions: str, *_: int) -> MeasuredSpectrum:
     return read_spectrum(path, pick, directions)
 
 
-def r_1_of(spread: np.ndarray) -> np.ndarray:
-    """Length of the mean unit vector by the spread sqrt(2 (1 - r)) of a buoy [rad]."""
-    return 1.0 - 0.5 * np.asarray(spread) ** 2
-
-
-def check_spread(spread: np.ndarray) -> np.ndarray:
-    """Refuse spreads [rad] that no directions have, which reach sqrt(2)."""
-    for value in spread[~((spread >= 0.0) & (spread <= math.sqrt(2.0)))]:
-        deg = math.degrees(value)
-        raise ConfigError(f"spread = {deg:.4g} deg: allowed is 0 to 81 deg (1.414 rad)")
-    return spread
-
-
 def _read_csv(path: str | Path) -> MeasuredSpectrum:
     table = read_plain_csv(path)
     titles = {}
     for title in table.columns:
         name, _, unit = title.partition("[")
         name, unit = name.strip(), unit.strip().removesuffix("]").strip()
+        unit = unit.replace("^", "").replace("²", "2")
         if name not in _NAMES:
             raise ConfigError(f"{path}: unknown column {shown(title)};{nearest(name, _NAMES)}")
         if name in titles:
@@ -168,6 +157,18 @@ class _Columns:
                     f"is {low:g} to {high:g}"
                 )
 
+    def check_angle(self, name: str, low: float, high: float) -> None:
+        """Refuse an angle outside a range [rad], with its line, in the unit of its column."""
+        unit = _UNITS["direction"][self.titles[name][1]]
+        self.check(name, low / unit, high / unit)
+
+
+def _towards(columns: _Columns, name: str) -> np.ndarray:
+    """Where waves go to [rad]; more than a full turn, such as 999 for a missing one, is refused."""
+    found = columns.si(name)
+    columns.check_angle(name, -_TURN, _TURN)
+    return to_way(found, name.rpartition("_")[2])
+
 
 def _of_one(columns: _Columns, ways: list[str]) -> MeasuredSpectrum:
     f, density = columns.si("frequency"), columns.si("density")
@@ -182,13 +183,20 @@ def _of_one(columns: _Columns, ways: list[str]) -> MeasuredSpectrum:
             a, b = columns.si(f"a1_{way}"), columns.si(f"b1_{way}")
             for name in ("a1", "b1"):
                 columns.check(f"{name}_{way}", -1.0, 1.0)
-            return of_moments(f, density, to_way(np.arctan2(b, a), way), np.hypot(a, b))
+            r_1 = np.hypot(a, b)
+            for row in np.flatnonzero(r_1 > LONGEST_R_1):
+                raise ConfigError(
+                    f"{columns.table.path}:{columns.line(row)}: a1, b1 have the length "
+                    f"{r_1[row]:.6g}: allowed is 0 to 1"
+                )
+            return of_moments(f, density, to_way(np.arctan2(b, a), way), r_1)
     if not ways:
         _no_spread(columns)
         return MeasuredSpectrum(tuple(f), tuple(density))
-    to = to_way(columns.si(ways[0]), ways[0].rpartition("_")[2])
+    to = _towards(columns, ways[0])
     if "spread" in columns:
-        return of_moments(f, density, to, r_1_of(check_spread(columns.si("spread"))))
+        columns.check_angle("spread", 0.0, math.sqrt(2.0))
+        return of_moments(f, density, to, r_1_of(columns.si("spread")))
     columns.si("r1") if "r1" in columns else _no_width(ways[0])
     columns.check("r1", 0.0, 1.0)
     return of_moments(f, density, to, columns.si("r1"))
@@ -212,7 +220,7 @@ def _of_two(columns: _Columns, ways: list[str]) -> MeasuredSpectrum:
         raise ConfigError("density per direction without a column 'direction_from [deg]' or "
                           "'direction_to [deg]'")  # fmt: skip
     columns.check("density", 0.0, 1e6)
-    to = to_way(columns.si(ways[0]), ways[0].rpartition("_")[2])
+    to = _towards(columns, ways[0])
     frequencies, rows = np.unique(f, return_inverse=True)
     directions, places = np.unique(np.round(to % (2.0 * math.pi), 9), return_inverse=True)
     found = np.full((len(frequencies), len(directions)), np.nan)

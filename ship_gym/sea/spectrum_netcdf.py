@@ -27,25 +27,27 @@ import numpy as np
 from ship_gym.config import ConfigError, nearest, shown, told_of
 from ship_gym.sea.hdf5_child import can_read_apart, read_apart
 from ship_gym.sea.measured import MeasuredSpectrum
-from ship_gym.sea.measured_forms import of_directions, of_moments
+from ship_gym.sea.measured_forms import check_spread, of_directions, of_moments, r_1_of
 from ship_gym.sea.netcdf_file import check_installed, is_hdf5, open_netcdf
 from ship_gym.sea.netcdf_values import (
     angles,
+    bearings,
     check_finite,
+    check_r_1,
     energy_of,
     frequencies,
     numbers,
     standard_name,
     way_of,
 )
-from ship_gym.sea.spectrum_files import check_spread, r_1_of, to_way
+from ship_gym.sea.spectrum_files import to_way
 
 _DENSITY_2 = ("sea_surface_wave_directional_variance_spectral_density",)
 _DENSITY_1 = ("sea_surface_wave_variance_spectral_density",)
 _NAMES_2 = ("efth", "d2fd", "density")
 _NAMES_1 = ("spectral_wave_density", "waveEnergyDensity", "ef", "efth", "density")
-_FREQUENCY = ("frequency", "freq", "waveFrequency", "f")
-_DIRECTION = ("direction", "dir", "directions", "theta", "waveDirection")
+_FREQUENCY = ("frequency", "freq", "waveFrequency", "f", "frequencyNumber")
+_DIRECTION = ("direction", "dir", "directions", "theta", "waveDirection", "directionNumber")
 _MEAN = ("mean_wave_dir", "waveMeanDirection", "th1m")
 _WIDTH = ("wave_spectrum_r1", "sth1m")
 _NO_ENERGY = 1e-6  # of the largest density
@@ -155,7 +157,7 @@ def _of_two(data: Any, chosen: Any, directions: str) -> MeasuredSpectrum:
     else:
         f = frequencies(_coordinate(data, frequency))
         axis = _coordinate(data, direction)
-        to, energy = to_way(angles(axis), way_of(axis, directions)), energy_of(chosen, True)
+        to, energy = to_way(bearings(axis), way_of(axis, directions)), energy_of(chosen, True)
     check_finite(chosen, energy)
     order = np.argsort(f)
     return of_directions(f[order], to, energy[order])
@@ -183,7 +185,7 @@ def _era5(data: Any, chosen: Any, frequency: str, direction: str) -> tuple:
         f = frequencies(data[frequency])
     if _numbered(data, direction):
         return f, 2.0 * math.pi * (np.arange(bins) + 0.5) / bins, values
-    return f, angles(data[direction]), values
+    return f, bearings(data[direction]), values
 
 
 def _numbered(data: Any, name: str) -> bool:
@@ -203,11 +205,12 @@ def _of_one(data: Any, chosen: Any, pick: str, directions: str) -> MeasuredSpect
     moments = [_beside(data, frequency, (name,), "^$") for name in ("waveA1Value", "waveB1Value")]
     if mean is None or (width is None and any(one is None for one in moments)):
         return MeasuredSpectrum(tuple(f), tuple(energy))
-    to = to_way(angles(_picked(mean, pick)), way_of(mean, directions))
+    to = to_way(bearings(_picked(mean, pick)), way_of(mean, directions))
     if width is None:
         r_1 = np.hypot(*(numbers(_picked(one, pick)) for one in moments))
+        check_r_1("length of waveA1Value, waveB1Value", r_1)
     elif str(width.name) == "wave_spectrum_r1":
-        r_1 = numbers(_picked(width, pick))
+        r_1 = check_r_1(width.name, numbers(_picked(width, pick)))
     else:
         r_1 = r_1_of(check_spread(angles(_picked(width, pick))))
     empty = energy <= _NO_ENERGY * energy.max()  # a direction of no energy may be missing

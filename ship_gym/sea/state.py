@@ -128,7 +128,8 @@ class Sea:
             raise ConfigError("sea: either a measured spectrum or other waves, not both")
         if self.gusts and self.wind_speed < 0.5:
             raise ConfigError(
-                f"sea.gusts with wind_speed = {self.wind_speed}: allowed is a wind from 0.5 m/s"
+                f"sea.gusts with wind_speed = {self.wind_speed}: allowed is a wind from 0.5 m/s, "
+                "or gusts = false"
             )
         self.components()  # refuses what no wave has
 

@@ -11,13 +11,13 @@ import numpy as np
 from ship_gym.config import ConfigError
 from ship_gym.conventions import G
 from ship_gym.sea.components import WaveComponents
+from ship_gym.sea.wave_hull import differences
 from ship_gym.sea.wave_table import MODES, WaveTable
 from ship_gym.ships.files import Named, available_ships
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 
 SPEED_STEP = 0.05  # of the Froude number
-_SAME_HULL = 0.02  # of B / L and d / L: rounding of printed particulars
 
 
 @functools.lru_cache(maxsize=16)
@@ -31,22 +31,23 @@ def wave_table_of(ship: Ship) -> WaveTable:
     Raises
     ------
     ConfigError
-        The ship has none, or that of a hull of other breadth or draught by its length.
+        The ship has none, or that of another hull (``wave_hull.differences``).
     """
     if not ship.wave_table:
         raise ConfigError(
             f"{ship.name} has no wave table, which a sea with waves needs; {_remedy(ship)}"
         )
-    table = _table(ship.wave_table)
-    made, h = table.card.get("made_for"), ship.hull
-    for name in ("B", "d") if made else ():  # a table that is made by hand may not say
-        given, wanted = made[name] / made["L"], getattr(h, name) / h.L
-        if abs(given / wanted - 1.0) > _SAME_HULL:
-            raise ConfigError(
-                f"{ship.wave_table} was made for {table.card['ship']} with {name} / L = "
-                f"{given:.4f}; {ship.name} has {wanted:.4f}; {_remedy(ship)}"
-            )
+    table, apart = _table(ship.wave_table), _apart(ship.wave_table, ship)
+    if apart:
+        raise ConfigError(
+            f"{ship.wave_table} was made for {table.card['ship']} with {apart}; {_remedy(ship)}"
+        )
     return table
+
+
+@functools.lru_cache(maxsize=64)  # asked for each sea of each episode
+def _apart(path: str, ship: Ship) -> str:
+    return next(differences(_table(path).card, ship), "")
 
 
 def _remedy(ship: Ship) -> str:

@@ -25,9 +25,10 @@ from typing import Any
 
 import numpy as np
 
-from ship_gym.config import ConfigError, check_known, check_number, shown, told_of
+from ship_gym.config import ConfigError, check_known, shown, told_of
 from ship_gym.conventions import wrap_angle
 from ship_gym.reading import check_array, json_head, read_npz
+from ship_gym.sea.wave_hull import check_facts
 from ship_gym.writing import atomic_path
 
 MODES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
@@ -52,7 +53,6 @@ SNNM_FOLLOWING_DEG = 60.0
 BOUNDS = {"CX": 12.0, "CY": 1.5, "CN": 0.2}
 _FROUDE, _OMEGA = (0.0, 2.0), (1e-2, 1e2)  # of the axes
 _LARGEST = 100.0  # of a coefficient or a motion; those of the package stay below 13
-_MADE_FOR = ("L", "B", "d")  # lengths of the ship, where a card names them
 
 
 _KINDS = {"f": "float", "c": "complex", "u": "unsigned integer"}
@@ -79,9 +79,7 @@ def _check_card(card: Any) -> None:
     made = card.get("made_for")
     if made is None:  # a table that is made by hand may not say
         return
-    for key in _MADE_FOR:
-        value = made.get(key) if isinstance(made, dict) else made
-        check_number(f"wave table: card.made_for.{key}", value, 1e-3, 1e4, "m")
+    check_facts(made)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -24,10 +24,13 @@ from ship_gym.config import ConfigError
 from ship_gym.locks import held, locked
 from ship_gym.provenance import provenance
 from ship_gym.reading import read_npy
+from ship_gym.sea.wave_hull import hull_facts
 from ship_gym.sea.wave_table import BOUNDS, UNCERTAINTY, WaveTable
 from ship_gym.seakeeping import calibration
 from ship_gym.seakeeping.drift import drift, encounter_frequency
+from ship_gym.seakeeping.hull_form import DRAWN
 from ship_gym.seakeeping.hull_mesh import HullMesh, lid
+from ship_gym.seakeeping.mesh_form import with_form
 from ship_gym.seakeeping.motions import ROLL, Radiation, RigidBody, absorbed_action, motions
 from ship_gym.seakeeping.near_field import near_field, short_wave_drift
 from ship_gym.seakeeping.radiation_diffraction import (
@@ -399,7 +402,7 @@ def build(
     Parameters
     ----------
     ship, mesh, grid
-        As in `make_problem`.
+        As in `make_problem`; a ship without a form gets that of the mesh (``mesh_form``).
     path : Path
         File to write (.npz).
     jobs : int
@@ -417,6 +420,7 @@ def build(
         As in `make_problem`, before any work starts; or another process builds this table.
     """
     started, ship = time.monotonic(), load_ship(ship)
+    ship, mesh = with_form(ship, mesh)
     problem = make_problem(ship, mesh, grid)
     snnm = snnm_hull(ship)  # refuses before the work
     work, doing = path.parent / work_name(problem), "builds this wave table"
@@ -443,7 +447,7 @@ def _tabulated(
     card = {
         "ship": ship.name,
         "title": ship.title,
-        "made_for": {"L": ship.hull.L, "B": ship.hull.B, "d": ship.hull.d, "k": "by L"},
+        "made_for": hull_facts(ship, drawn=DRAWN in "".join(mesh.report[:1])),
         "mesh": list(mesh.report),
         "panels": 2 * len(problem.hull.panels),
         "lid_panels": 2 * len(problem.hull.lid),

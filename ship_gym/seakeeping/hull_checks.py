@@ -17,7 +17,9 @@ from ship_gym.ships.particulars import Ship
 
 _VOLUME = 0.05  # largest difference from the ship file
 _LENGTH, _MIDDLE, _DRAUGHT = 0.15, 0.08, 0.15  # by L, by L, by d: wrong units, origin, waterline
+_BOTH, _ASIDE = 0.75, 0.05  # by B: wide enough for both sides, and not centred
 _CENTRE = 0.01  # by L: centre of buoyancy of a hull that may lie the wrong way round
+_TOLERANCE = 1e-5  # by L: of what lies in the waterline or the centre plane
 _CLOSED = 1e-3  # of the volume along x, y and z, and of the area seen along x and y
 _UNITS = {"mm": 0.001, "cm": 0.01, "inch": 0.0254, "ft": 0.3048, "km": 1000.0}
 
@@ -62,6 +64,13 @@ def check_place(points: np.ndarray, ship: Ship, name: str, placed: Placed) -> No
             f"{name}: the hull's middle lies {middle:.4g} m forward of midship; give "
             "--midship, the middle between the perpendiculars in the file, about "
             f"{placed.midship + middle:.6g}"
+        )
+    low, high = wet[:, 1].min(), wet[:, 1].max()
+    aside, B = float(0.5 * (low + high)), ship.hull.B
+    if high - low > _BOTH * B and abs(aside) > _ASIDE * B:
+        raise ConfigError(
+            f"{name}: its centre plane lies {abs(aside):.4g} m to "
+            f"{'starboard' if aside > 0.0 else 'port'} of zero: move it there in a mesh editor"
         )
 
 
@@ -145,19 +154,31 @@ def _check_closed(mesh: HullMesh, name: str) -> None:
         f"{name}: not watertight: its volume differs by {100.0 * apart:.2g} % along x, y and z, "
         f"{100.0 * lost:.2g} % of its area is missing (allowed 0.1)"
     )
-    tolerance = 1e-5 * mesh.length
-    ends = mesh.vertices[boundary_edges(mesh)]
-    allowed = (np.abs(ends[..., 2]) < tolerance).all(axis=1)
-    centre = (np.abs(ends[..., 1]) < tolerance).all(axis=1)
-    if allowed.all():
+    ends = _open_below(mesh)
+    if len(ends) == 0:
         raise ConfigError(f"{told}, though no edge is open: look for faces that cross each other")
-    if centre[~allowed].all():
+    if (np.abs(ends[..., 1]) < _TOLERANCE * mesh.length).all():
         raise ConfigError(f"{told}; only one side is in the file: mirror it in y = 0")
-    x, y, z = ends[~allowed].mean(axis=1)[-1]
     raise ConfigError(
-        f"{told}: {int((~allowed).sum())} open edges, one at x {x:.4g}, y {y:.4g}, z {z:.4g} m: "
-        "close gaps with --weld [m], fill holes in a mesh editor"
+        f"{told}: {_told_open(ends)}: close gaps with --weld [m], fill holes in a mesh editor"
     )
+
+
+def still_open(mesh: HullMesh) -> tuple[str, ...]:
+    """Line of a report on edges that are open below the waterline; none where none is."""
+    ends = _open_below(mesh)
+    return (f"still open, too little to count: {_told_open(ends)}",) if len(ends) else ()
+
+
+def _open_below(mesh: HullMesh) -> np.ndarray:
+    """Ends of open edges that do not lie in the waterline, shape (E, 2, 3)."""
+    ends = mesh.vertices[boundary_edges(mesh)]
+    return ends[~(np.abs(ends[..., 2]) < _TOLERANCE * mesh.length).all(axis=1)]
+
+
+def _told_open(ends: np.ndarray) -> str:
+    x, y, z = ends.mean(axis=1)[-1]
+    return f"{len(ends)} open edges, one at x {x:.4g}, y {y:.4g}, z {z:.4g} m"
 
 
 def _lost(mesh: HullMesh) -> float:

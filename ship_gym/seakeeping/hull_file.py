@@ -12,7 +12,13 @@ from pathlib import Path
 import numpy as np
 
 from ship_gym.config import ConfigError, check_known, check_number, told_of
-from ship_gym.seakeeping.hull_checks import Placed, check_mesh, check_panels, check_place
+from ship_gym.seakeeping.hull_checks import (
+    Placed,
+    check_mesh,
+    check_panels,
+    check_place,
+    still_open,
+)
 from ship_gym.seakeeping.hull_formats import CAD, read_faces
 from ship_gym.seakeeping.hull_mesh import HullMesh, starboard_half, welded
 from ship_gym.seakeeping.hull_repair import GAP, close_gaps, oriented
@@ -97,6 +103,7 @@ def read_hull(
         points, faces, closed = _closed(points, faces, weld)
         mesh = _under_water(points, faces, fix_normals, (note, *closed))
         check_mesh(mesh, ship, str(path), placed)
+        mesh = mesh.with_report(*still_open(mesh))
         if panels is None:
             check_panels(mesh, str(path))
             return starboard_half(mesh)

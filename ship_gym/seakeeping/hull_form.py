@@ -28,6 +28,7 @@ from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 
+DRAWN = "parametric hull"  # begins the report of a drawn one
 STATIONS, GIRTH = 44, 8  # panels along and around the half hull
 _NOSE = (0.0, 0.35, 0.65, 0.88, 1.0)  # stations of the bulb ahead of the perpendicular, by it
 _TRANSOM_FULLNESS = 2.0 / 3.0  # area coefficient of the transom: gives its draught
@@ -222,7 +223,7 @@ def parametric_mesh(ship: Named | Ship, stations: int = STATIONS, girth: int = G
         x = np.concatenate([x[:-1], nose])
     sections = np.zeros((len(x), girth + 1, 3))
     sections[..., 0], sections[..., 1:] = x[:, None], np.array(points)
-    text = f"parametric hull of {ship.name}: {len(x) - 1} x {girth} panels per side"
+    text = f"{DRAWN} of {ship.name}: {len(x) - 1} x {girth} panels per side"
     return mesh_from_sections(sections, (text,))
 
 

@@ -129,6 +129,12 @@ def _read_meshio(path: Path) -> Mesh:
     if kind in _VOLUMES:
         raise ConfigError(f"{path}: {kind} holds no surface in space: allowed are .msh, .vtk, .stl")
     meshio = library("meshio", path)
+    if kind not in meshio.extension_to_filetypes:
+        known = ", ".join((".gdf", *_CAPYTAINE, *_TRIMESH, *CAD))
+        raise ConfigError(
+            f"{path}: suffix {shown(kind)}: allowed are {known}, .msh, .vtk, .vtu, .inp, .dat and "
+            "what else docs/hulls.md lists"
+        )
     data = read_bytes(path)  # a regular file of a size that can be read
     if kind in _XML:
         _check_xml(path, data)

@@ -11,6 +11,7 @@ from ship_gym.reading import check_array, read_as, read_text
 
 MOST_FACES = 2_000_000
 FAR = 1e9  # of a vertex from the origin, in the unit of the file
+_FORTRAN = str.maketrans("Dd", "Ee")  # an exponent of double precision, 1.5D+01
 _HEAD = {
     2: "two numbers, ULEN and GRAV",
     3: "two numbers 0 or 1, ISX and ISY",
@@ -90,7 +91,7 @@ def _corners(path: str | Path, lines: list[str], count: int) -> np.ndarray:
         )
     with read_as(path, "a low-order GDF file"):
         try:
-            numbers = np.array(words[: 12 * count], dtype=float)
+            numbers = np.array([word.translate(_FORTRAN) for word in words[: 12 * count]], float)
         except ValueError:
             at = next(i for i, word in enumerate(words) if not _is_number(word))
             raise ConfigError(
@@ -104,7 +105,7 @@ def _corners(path: str | Path, lines: list[str], count: int) -> np.ndarray:
 
 def _is_number(word: str) -> bool:
     try:
-        float(word)
+        float(word.translate(_FORTRAN))
     except ValueError:
         return False
     return True

@@ -75,21 +75,26 @@ def _check_mar(path: Path, lines: Lines) -> None:
     number, words = next(rows, (1, []))
     if not _numbers(words[:2], (2,), int) or words[1] not in ("0", "1"):
         raise _refused(path, number, words, "are 2 and 0, or 2 and 1 of a hull mirrored in y = 0")
-    vertices = _until_zero(path, rows, 4, float, "a number and x, y, z of a vertex, or 0 0 0 0")
-    faces = _until_zero(path, rows, 4, int, "four corners of a panel, or 0 0 0 0 at the end")
+    last = lines[-1][0]
+    needed = "a number and x, y, z of a vertex, or 0 0 0 0"
+    vertices = _until_zero(path, rows, 4, float, needed, last)
+    needed = "four corners of a panel, or 0 0 0 0 at the end"
+    faces = _until_zero(path, rows, 4, int, needed, last)
     _check_faces(path, faces, 0, len(vertices))
 
 
-def _until_zero(path: Path, rows: Iterator, count: int, kind: type, needed: str) -> Lines:
+def _until_zero(
+    path: Path, rows: Iterator, count: int, kind: type, needed: str, last: int
+) -> Lines:
     """Lines up to the one that starts with 0."""
-    found, number = [], 0
+    found = []
     for number, words in rows:
         if words[0] == "0":
             return found
         if not _numbers(words, (count,), kind):
             raise _refused(path, number, words, f"are {needed}")
         found.append((number, words))
-    raise _refused(path, number, [], f"are {needed}")
+    raise _refused(path, last, [], f"are {needed}")
 
 
 def _check_hst(path: Path, lines: Lines) -> None:

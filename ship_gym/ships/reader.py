@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.config import UNITS, ConfigError, Findings, check_number, nearest, shown, unknown_keys
-from ship_gym.ships.estimators import ESTIMATED
+from ship_gym.ships.filled import FILLED
 
 _TEXTS = ("source", "variant", "type")
 _NUMBER_KEYS = ("value", "unit", "source", "estimated")
@@ -20,8 +20,8 @@ def _hint(section: str, name: str, estimated: bool) -> str:
     if section != "hull":
         return ""
     if estimated:
-        return "; hull.estimate = true fills up only added masses and derivatives"
-    return "; hull.estimate = true fills it up" if name in ESTIMATED else ""
+        return "; hull.estimate = true fills up added masses, derivatives, S, k_zz and C_D only"
+    return "; hull.estimate = true fills it up" if name in FILLED else ""
 
 
 class Reader:

@@ -35,6 +35,11 @@ def ittc57(reynolds: float) -> float:
     return 0.075 / (math.log10(reynolds) - 2.0) ** 2
 
 
+def correlation_allowance(L: float) -> float:
+    """C_A = 0.006 (L + 100)^-0.16 - 0.00205 of Holtrop & Mennen (1982), L [m] at full scale."""
+    return 0.006 * (L + 100.0) ** -0.16 - 0.00205
+
+
 def viscous_resistance(hull: Hull, speed: float, nu: float, full_length: float) -> float:
     """(1 + k) C_F of ITTC-57, plus the allowance C_A at full scale; both on S."""
     allowance = hull.C_A if hull.L == full_length else 0.0

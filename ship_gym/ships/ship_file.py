@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ship_gym.config import build
-from ship_gym.ships.estimators import ESTIMATED, estimated_hull
 from ship_gym.ships.files import name_of
+from ship_gym.ships.filled import FILLED, filled_hull
 from ship_gym.ships.open_water_entry import open_water
 from ship_gym.ships.particulars import (
     Engine,
@@ -165,7 +165,7 @@ def _sections(parts: Mapping[str, Mapping | None], reader: Reader) -> dict[str, 
 
 
 def _filled_up(hull: Mapping[str, Any], reader: Reader) -> tuple[dict[str, Any], Collection[str]]:
-    """The section ``hull``, with ``estimators.estimated_hull`` if it asks for that.
+    """The section ``hull``, with ``filled.filled_hull`` if it asks for that.
 
     And what is not missing where the estimates cannot be made, since they would fill it up.
     """
@@ -179,14 +179,14 @@ def _filled_up(hull: Mapping[str, Any], reader: Reader) -> tuple[dict[str, Any],
         if key in hull
     }
     if len(main) < len(_MAIN) or None in main.values():
-        return hull, ESTIMATED
+        return hull, FILLED
     with reader.kept():
         estimates = {
-            key: {"value": value, "unit": "-", "estimated": why}
-            for key, (value, why) in estimated_hull(**main).items()
+            key: {"value": value, "unit": unit, "estimated": why}
+            for key, (value, unit, why) in filled_hull(**main).items()
         }
         hull = {**estimates, **hull}
-    return hull, ESTIMATED
+    return hull, FILLED
 
 
 def _check_surrogate(entry: Mapping[str, Any], reader: Reader) -> None:

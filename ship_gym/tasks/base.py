@@ -166,7 +166,7 @@ class Plan(Protocol):
         order : numpy.ndarray
             First ordered heading or bearing [rad], shape (m,).
         plans : numpy.ndarray
-            Written, shape (n, *shape).
+            Written, shape ``(n, *shape)``.
         tasks : numpy.ndarray
             Records of the episodes, shape (n,); fields of the task's own may be written.
 

@@ -7,6 +7,7 @@ from ship_gym.tracks.files import load_route, load_track, save_track
 from ship_gym.tracks.generator import n_draws, random_points
 from ship_gym.tracks.route import Route
 from ship_gym.tracks.shapes import SHAPES, shape_track
+from ship_gym.tracks.simplify import simplified
 from ship_gym.tracks.track import Track
 from ship_gym.tracks.waypoint import Leg, Waypoint
 
@@ -22,4 +23,5 @@ __all__ = [
     "random_points",
     "save_track",
     "shape_track",
+    "simplified",
 ]

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ship_gym.charts import Chart
-from ship_gym.config import ConfigError, check_known, told_of
+from ship_gym.config import ConfigError, check_known, shown, told_of
 from ship_gym.tracks.geojson import read_geojson, write_geojson, write_metres
 from ship_gym.tracks.gpx import read_gpx, write_gpx
 from ship_gym.tracks.route import Route
@@ -69,17 +69,24 @@ def load_track(
         return found.track() if isinstance(found, Route) else found
 
 
-def load_route(path: str | os.PathLike, geometry: str | None = None) -> Route:
+def load_route(
+    path: str | os.PathLike, geometry: str | None = None, name: str | None = None
+) -> Route:
     """Route of a file in degrees, as `load_track` reads one.
+
+    `name` picks one of several routes or tracks of a GPX file.
 
     Raises
     ------
     ConfigError, ImportError
         As `load_track`; a file in metres.
     """
-    found = _read(path, geometry)
+    found = _read(path, geometry, name)
     if isinstance(found, Track):
-        raise ConfigError(f"{path}: is in metres; a route needs latitudes and longitudes")
+        raise ConfigError(
+            f"{path}: is in metres; a route needs latitudes and longitudes "
+            "(ship-gym route --origin LATITUDE LONGITUDE gives it a place)"
+        )
     return found
 
 
@@ -129,16 +136,24 @@ def _save_metres(track: Track, path: Path) -> None:
     write_metres(track, path)
 
 
-def _read(path: str | os.PathLike, geometry: str | None) -> Route | Track:
+def _read(path: str | os.PathLike, geometry: str | None, name: str | None = None) -> Route | Track:
     path = Path(path)
     if geometry is not None:
         check_known("geometry", geometry, GEOMETRIES)
-    return _READERS[_suffix(path)](path, geometry)
+    suffix = _suffix(path)
+    if name is None:
+        return _READERS[suffix](path, geometry)
+    if suffix != ".gpx":
+        raise ConfigError(
+            f"name = {shown(name, 40)}: {path} holds one route; a GPX file may hold several"
+        )
+    return read_gpx(path, geometry, name)
 
 
 def _suffix(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix not in _READERS:
         *most, last = _READERS
-        raise ConfigError(f"{path}: a track file ends in {', '.join(most)} or {last}")
+        packed = "; a .rtzp is a zip archive, unpack the .rtz" if suffix == ".rtzp" else ""
+        raise ConfigError(f"{path}: a track file ends in {', '.join(most)} or {last}{packed}")
     return suffix

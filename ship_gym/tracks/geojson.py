@@ -17,7 +17,7 @@ import numpy as np
 from ship_gym.charts import geodesy
 from ship_gym.config import ConfigError, build, check_known, check_number, shown, told_of
 from ship_gym.reading import read_json
-from ship_gym.tracks.geojson_lines import features_of, member, positions_of
+from ship_gym.tracks.geojson_lines import features_of, is_cut, member, positions_of
 from ship_gym.tracks.route import Route
 from ship_gym.tracks.track import Track
 from ship_gym.tracks.waypoint import GEOMETRIES, Leg, Waypoint, check_count
@@ -25,7 +25,10 @@ from ship_gym.writing import atomic_path
 
 NEAR_ZERO = 1.0  # [deg] from latitude and longitude 0: more likely metres of a towing tank
 LONG_LEG = 200e3  # [m] of a leg of a file that does not say its units
+BASIN = (100.0, 20.0)  # length and width [m] that a basin may have to either side of 0
 _UNITS = ("m", "deg")
+# at the end of the name that QGIS and GDAL write as "crs" (GeoJSON of 2008): WGS84, ETRS89, NAD83
+_IN_DEGREES = ("CRS84", "CRS84h", "4326", "4979", "4258", "4269")
 _HINT = 'write "units": "m" (for [east, north] in metres) or "units": "deg" in the properties'
 
 
@@ -59,7 +62,7 @@ def read_geojson(path: Path, geometry: str | None = None) -> Route | Track:
             return Track(pairs[:, ::-1])
         _check_degrees(*pairs.T)
         route = _route(pairs, data, features, geometry)
-        if units is None:
+        if units is None and not is_cut(features):
             _check_likely(route)
         return route
 
@@ -149,12 +152,28 @@ def _pair(i: int, position: Any) -> tuple[float, float]:
 
 
 def _units(data: dict[str, Any], features: list[dict[str, Any]]) -> str | None:
-    """``"m"`` or ``"deg"``, as declared; None if nothing is."""
+    """``"m"`` or ``"deg"``, as declared; None if nothing is, or null, as GDAL writes it."""
     places = [data, *(member(feature, "properties") for feature in features)]
-    found = {check_known("units", place["units"], _UNITS) for place in places if "units" in place}
+    said = [place["units"] for place in places if place.get("units") is not None]
+    found = {check_known("units", unit, _UNITS) for unit in said}
     if len(found) > 1:
         raise ConfigError(f"declares different units: {', '.join(sorted(found))}")
-    return found.pop() if found else None
+    return found.pop() if found else _units_of_crs(data)
+
+
+def _units_of_crs(data: dict[str, Any]) -> str | None:
+    """``"deg"`` of a file with a system of coordinates that is in degrees; None without one."""
+    crs = data.get("crs")
+    if crs is None:
+        return None
+    properties = crs.get("properties") if isinstance(crs, dict) else None
+    name = properties.get("name") if isinstance(properties, dict) else crs
+    if isinstance(name, str) and name.rpartition(":")[2] in _IN_DEGREES:
+        return "deg"
+    raise ConfigError(
+        f"crs = {shown(name, 80)}: must be WGS84 (urn:ogc:def:crs:OGC:1.3:CRS84 or EPSG:4326); "
+        'convert it first, or add "units": "m" for [east, north] in metres'
+    )
 
 
 def _check_degrees(longitude: np.ndarray, latitude: np.ndarray) -> None:
@@ -189,3 +208,8 @@ def _check_likely(route: Route) -> None:
             f"the leg from way-point {i} to {i + 1} would be {lengths[i] / 1e3:.0f} km long, or "
             f"it is in metres: {_HINT}"
         )
+    if (np.abs(lon) <= BASIN[0]).all() and (np.abs(lat) <= BASIN[1]).all():
+        if (length := lengths.sum()) > LONG_LEG:
+            raise ConfigError(
+                f"the line would be {length / 1e3:.0f} km long, or it is in metres: {_HINT}"
+            )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 from ship_gym.config import ConfigError, shown
@@ -50,6 +51,16 @@ def positions_of(features: list[dict[str, Any]], round_earth: float = 0.0) -> li
     if lines > 1:
         raise ConfigError(f"holds {lines} lines; {_WANTED}")
     raise ConfigError(f"holds {', '.join(sorted(set(kinds))) or 'no geometry'}; {_WANTED}")
+
+
+def is_cut(features: list[dict[str, Any]]) -> bool:
+    """Whether a MultiLineString that `positions_of` has joined is cut at the antimeridian."""
+    lines = [
+        geometry["coordinates"]
+        for geometry in (member(feature, "geometry") for feature in features)
+        if geometry.get("type") == "MultiLineString"
+    ]
+    return any(_is_cut(a[-1], b[0]) for parts in lines for a, b in itertools.pairwise(parts))
 
 
 def _listed(geometry: dict[str, Any], what: str) -> list[Any]:

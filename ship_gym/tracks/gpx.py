@@ -28,8 +28,10 @@ _LIMITS |= {"speed_min": (100.0, "m/s"), "speed_max": (100.0, "m/s")}
 _NO_GPXPY = 'writing GPX needs gpxpy: pip install "ship-gym[geo]"'
 
 
-def read_gpx(path: Path, geometry: str | None = None) -> Route:
+def read_gpx(path: Path, geometry: str | None = None, name: str | None = None) -> Route:
     """The one route of a GPX file, else its one track; `geometry` of legs that say nothing.
+
+    Of several routes or tracks the one of that `name`.
 
     Segments of a track are joined; a place that a track logs twice in a row is one way-point.
 
@@ -46,7 +48,7 @@ def read_gpx(path: Path, geometry: str | None = None) -> Route:
                 f"root element {shown(str(root.tag), 80)}: allowed is gpx of GPX 1.0 or 1.1, "
                 f"{NAMESPACES[1]} or {NAMESPACES[0]}"
             )
-        line, kind = _line(root)
+        line, kind = _line(root, name)
         points: list[Waypoint] = []
         legs: list[Leg] = []
         for i, element in enumerate(_places(line, kind)):
@@ -82,13 +84,22 @@ def write_gpx(route: Route, path: Path) -> None:
         temporary.write_text(file.to_xml("1.1"), encoding="utf-8")
 
 
-def _line(root: Element) -> tuple[Element, str]:
-    """The one route, else the one track, and ``rte`` or ``trk``."""
+def _line(root: Element, name: str | None = None) -> tuple[Element, str]:
+    """The one route (of that name), else the one track, and ``rte`` or ``trk``."""
     for kind, word in (("rte", "routes"), ("trk", "tracks")):
-        found = list(children(root, kind))
+        found = [line for line in children(root, kind) if _places(line, kind)]
+        names = ", ".join(shown(_text(each, "name"), 20) for each in found[:4])
+        if name is not None:
+            found = [line for line in found if _text(line, "name") == name]
+            if not found and names and kind == "trk":
+                raise ConfigError(
+                    f"name = {shown(name, 40)}: no route or track has it; there are {names}"
+                )
         if len(found) > 1:
-            names = ", ".join(shown(_text(each, "name"), 20) for each in found[:4])
-            raise ConfigError(f"holds {len(found)} {word} ({names}); wanted is one")
+            raise ConfigError(
+                f"holds {len(found)} {word} ({names}); wanted is one, or its name "
+                "(ship-gym route --name)"
+            )
         if found:
             return found[0], kind
     places = sum(1 for _ in children(root, "wpt"))

@@ -213,6 +213,8 @@ class Route:
     def _cut(self, k: int, lines: geodesy.Line, start: float, end: float) -> np.ndarray:
         """Places (P, 2) that stand for leg `k` from one length along it to another [m]."""
         length = lines.length[k]
+        if start == 0.0 and end == length and self.legs[k].geometry == "loxodrome":
+            return self._ends(k)
         at = np.array([start, end] if end - start > _NO_LEG or end == length else [start])
         if self.legs[k].geometry == "orthodrome":
             place = self.waypoints[k]
@@ -220,6 +222,11 @@ class Route:
             between = (cuts > start + SHORTEST_ARC) & (cuts < end - SHORTEST_ARC)
             at = np.concatenate([at[:1], cuts[between], at[1:]])
         return self._at(k, lines, at)
+
+    def _ends(self, k: int) -> np.ndarray:
+        """Places (2, 2) of the way-points of leg `k`."""
+        ends = self.waypoints[k : k + 2]
+        return np.array([[point.latitude, point.longitude] for point in ends])
 
     def _at(self, k: int, lines: geodesy.Line, at: np.ndarray) -> np.ndarray:
         """Places (P, 2) at lengths along leg `k` [m]."""

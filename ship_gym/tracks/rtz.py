@@ -29,7 +29,9 @@ VERSIONS = ("1.0", "1.1", "1.2")
 _NAMESPACES = {f"http://www.cirm.org/RTZ/{v.replace('.', '/')}": v for v in VERSIONS}
 _GEOMETRIES = {"Loxodrome": "loxodrome", "Orthodrome": "orthodrome"}
 _ID = re.compile(r"\+?\d{1,18}", re.ASCII)
-_LARGEST_RADIUS, _LARGEST_XTD, _FASTEST = 5.0, 10.0, 194.0  # [NM], [NM] and [kn]; by the schema
+_LARGEST_RADIUS = {"1.0": 10.0, "1.1": 5.0, "1.2": 5.0}  # [NM] by the schemas
+_LARGEST_XTD = 10.0  # [NM] by the schemas, which want less than that
+_FASTEST = 194.0  # [kn]; the schemas have no largest speed
 # field of a leg -> attribute, its largest value and unit, and that in SI
 _LEG = {
     "port": ("portsideXTD", _LARGEST_XTD, "NM", MILE),
@@ -50,13 +52,13 @@ def read_rtz(path: Path, geometry: str | None = None) -> Route:
     """
     root = read_xml(path)
     with told_of(path):
-        _check_root(root)
+        widest = _LARGEST_RADIUS[_checked_version(root)]
         info, waypoints = child(root, "routeInfo"), child(root, "waypoints")
         if waypoints is None:
             raise ConfigError("the route has no element waypoints")
         name = "" if info is None else info.get("routeName", "")
         default = child(waypoints, "defaultWaypoint")
-        usual = _radius(default, "defaultWaypoint")
+        usual = _radius(default, "defaultWaypoint", widest)
         legs_say = _leg(child(default, "leg"), "defaultWaypoint: leg", {})
         if geometry is not None:
             legs_say = {"geometry": geometry} | legs_say
@@ -67,7 +69,8 @@ def read_rtz(path: Path, geometry: str | None = None) -> Route:
             if number_ in seen:
                 raise ConfigError(f"{where}: the id is there twice; each must be one of its own")
             seen.add(number_)
-            points.append(_waypoint(element, number_, where, usual))
+            radius = _radius(element, where, widest)
+            points.append(_waypoint(element, number_, where, usual if radius is None else radius))
             leg = _leg(child(element, "leg"), f"{where}: leg", legs_say)
             if i > 0:  # no leg leads to the first way-point
                 legs.append(Leg(**leg))
@@ -94,7 +97,8 @@ def write_rtz(route: Route, path: Path) -> None:
                 {"name": point.name} if point.name else {}
             )
             if point.radius is not None:
-                check_number(f"{where}: radius", point.radius / MILE, 0.0, _LARGEST_RADIUS, "NM")
+                widest = _LARGEST_RADIUS["1.2"]
+                check_number(f"{where}: radius", point.radius / MILE, 0.0, widest, "NM")
                 given["radius"] = decimal(point.radius, MILE)
             element = ElementTree.SubElement(waypoints, "waypoint", given)
             position = {"lat": decimal(point.latitude), "lon": decimal(point.longitude)}
@@ -107,7 +111,7 @@ def write_rtz(route: Route, path: Path) -> None:
         ElementTree.ElementTree(root).write(temporary, encoding="UTF-8", xml_declaration=True)
 
 
-def _check_root(root: Element) -> None:
+def _checked_version(root: Element) -> str:
     namespace, name = parted(root.tag)
     known = f"allowed is route of RTZ {', '.join(VERSIONS)}, {' or '.join(_NAMESPACES)}"
     if name != "route" or (namespace and namespace not in _NAMESPACES):
@@ -115,6 +119,7 @@ def _check_root(root: Element) -> None:
     version = root.get("version", _NAMESPACES.get(namespace))
     if version not in VERSIONS:
         raise ConfigError(f"route: version = {shown(version)}: allowed is {', '.join(VERSIONS)}")
+    return version
 
 
 def _id(element: Element, i: int) -> int:
@@ -126,22 +131,21 @@ def _id(element: Element, i: int) -> int:
     return int(text)
 
 
-def _waypoint(element: Element, number_: int, where: str, usual: float | None) -> Waypoint:
+def _waypoint(element: Element, number_: int, where: str, radius: float | None) -> Waypoint:
     position = child(element, "position")
     if position is None:
         raise ConfigError(f"{where}: no element position with lat and lon")
-    radius = _radius(element, where)
     return Waypoint(
         needed(position, "lat", f"{where}: position", -HIGHEST, HIGHEST, "deg"),
         needed(position, "lon", f"{where}: position", -540.0, 540.0, "deg"),
         element.get("name", ""),
-        usual if radius is None else radius,
+        radius,
         number_,
     )
 
 
-def _radius(element: Element | None, where: str) -> float | None:
-    radius = number(element, "radius", where, 0.0, _LARGEST_RADIUS, "NM")
+def _radius(element: Element | None, where: str, widest: float) -> float | None:
+    radius = number(element, "radius", where, 0.0, widest, "NM")
     return None if radius is None else radius * MILE
 
 
@@ -166,6 +170,10 @@ def _leg_attributes(leg: Leg, where: str) -> dict[str, str]:
     for field, (name, high, unit, size) in _LEG.items():
         if (value := getattr(leg, field)) is not None:
             check_number(f"{where}: {name}", value / size, 0.0, high, unit)
+            if unit == "NM" and value / size >= high:
+                raise ConfigError(
+                    f"{where}: {name} = {value / size:g}: must be below {high:g} [NM]"
+                )
             said[name] = decimal(value, size)
     said["geometryType"] = next(k for k, v in _GEOMETRIES.items() if v == leg.geometry)
     return said

@@ -111,7 +111,8 @@ class Track:
     def check_turns(self, radius: float) -> Track:
         """Return the track if a ship with a turning radius [m] can sail it.
 
-        A turn D needs radius tan(|D| / 2) of both its legs. `tracks.generator` draws by this rule.
+        A turn D needs ``radius tan(|D| / 2)`` of both its legs. `tracks.generator` draws by this
+        rule.
 
         Raises
         ------

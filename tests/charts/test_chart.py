@@ -117,3 +117,16 @@ def test_a_damaged_one_is_refused(meta):
 def test_a_place_off_the_chart_is_refused(place):
     with pytest.raises(ConfigError, match="itude"):
         Chart.about(*place)
+
+
+def test_a_ring_does_not_close_in_the_plane():
+    """100 km north, east, south at 60 N and back: meridians meet."""
+    latitude, longitude = [60.0], [10.0]
+    for bearing in (0.0, 0.5 * np.pi, np.pi):
+        place = geodesy.rhumb_forward(latitude[-1], longitude[-1], bearing, 100e3)
+        latitude.append(float(place[0]))
+        longitude.append(float(place[1]))
+    chart = Chart.laid([*latitude, 60.0], [*longitude, 10.0])
+    left = np.hypot(chart.north[-1], chart.east[-1])
+    assert left == pytest.approx(2.8e3, abs=50.0)  # docs/routes.md
+    assert left == pytest.approx(100e3**2 * np.tan(np.radians(60.45)) / 6.39e6, rel=0.02)

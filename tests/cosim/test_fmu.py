@@ -253,19 +253,20 @@ def test_a_state_is_gone_back_to_also_as_bytes_in_another_instance(client):
 
 
 def test_steps_that_cannot_be_are_refused_and_the_ship_stays(client):
-    ship = client()
-    ship.step(0.0, 2.0)
-    before = ship.states()
+    ship, other = client(), client()
+    for each in (ship, other):
+        each.step(0.0, 2.0)
     assert "the unit is at 2 s" in ship.refused(0.0, 1.0)
     assert "must be positive" in ship.refused(2.0, 0.0)
     ship.set("rudder.command", 20.0)
     assert "looks like degrees" in ship.refused(2.0, 1.0)
     ship.set("rudder.command", math.nan)
     assert "must be finite" in ship.refused(2.0, 1.0)
-    assert ship.states() == before
-    ship.set("rudder.command", 0.3)
-    ship.step(2.0, 1.0)
-    assert ship.states() != before
+    assert np.isnan(ship.states()).all()  # a master that passes over the status sees it
+    for each in (ship, other):
+        each.set("rudder.command", 0.3)
+        each.step(2.0, 1.0)
+    assert ship.states() == other.states()
 
 
 def test_a_ship_that_diverges_is_a_line_and_no_crash(client):
@@ -276,7 +277,7 @@ def test_a_ship_that_diverges_is_a_line_and_no_crash(client):
     ship.fmu.setFMUstate(ship.fmu.deSerializeFMUstate(json.dumps(stored).encode()))
     for _ in range(2):
         assert "ship 0 (kcs) diverged at t = 2 s, beyond" in ship.refused(1.0, 1.0)
-        assert ship.get("body_velocity.yaw") == 5.0
+        assert math.isnan(ship.get("body_velocity.yaw"))
     ship.fmu.reset()
     ship.begin()
     ship.step(0.0, 1.0)

@@ -89,6 +89,7 @@ def test_geojson_and_kml_hold_the_same_places(tmp_path, longitude):
     lines = [lines] if kind == "LineString" else lines
     assert (kind, len(lines)) == (("LineString", 1) if longitude < 100 else ("MultiLineString", 2))
     assert feature["properties"]["duration"] == 10.0
+    assert feature["properties"]["units"] == "deg"  # read as a route near 0 N 0 E, too
     assert "coordTimes" not in feature["properties"]
     text = (tmp_path / "run.kml").read_text()
     drawn = [

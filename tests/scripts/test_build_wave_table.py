@@ -62,7 +62,9 @@ def test_help_shows_examples(call):
 
 
 def test_quick_computes_a_table_and_its_page(call, no_drawing, monkeypatch):
-    monkeypatch.setattr(hull_form, "parametric_mesh", lambda ship: parametric_mesh(ship, 16, 4))
+    monkeypatch.setattr(
+        hull_form, "parametric_mesh", lambda ship, *size: parametric_mesh(ship, 16, 4)
+    )
     for library in ("capytaine", "joblib"):
         pytest.importorskip(library)
     code, out, err = call("--ship", "kvlcc2_model", "--quick", "--jobs", "1", "--report")

@@ -42,6 +42,11 @@ def test_options_are_what_the_parameters_start_with(cli, tmp_path):
     assert expected.items() <= card["values"].items() and card["modelName"] == "a"
 
 
+def test_a_sea_of_numbers_is_not_called_calm_alone(cli):
+    code, out, _ = cli("fmu", "--wave-height", 3, "--wind-speed", 9, "--out", "b.fmu")
+    assert code == 0 and "sea calm with waves, wind of its own\n" in out
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -31,6 +31,7 @@ USUAL = {
     "simulate": ["trials", "--ship", "kvlcc2_model"],
     "draw": ["errors"],
     "fit-surrogate": ["--family", "gp"],
+    "fit-hull": ["--captive", "none.csv"],
     "build-wave-table": ["--ship", "kcs_model"],
     "fmu": [],
 }

@@ -58,10 +58,22 @@ def test_written_in_another_format_it_is_the_same_route(cli, voyage, tmp_path, s
     assert load_route(out) == load_route(voyage)
 
 
+@pytest.mark.parametrize("suffix", ["gpx", "geojson", "rtz"])
+def test_the_same_command_twice(cli, tmp_path, suffix):
+    """A plotter's route has no numbers and maybe no name; RTZ gives it both, in other units."""
+    points = Waypoint(54.0, 10.0), Waypoint(54.1, 10.0, radius=123.456789), Waypoint(54.1, 10.2)
+    save_track(Route("", points, (Leg(port=77.7), Leg(speed_max=6.1))), tmp_path / "a.gpx")
+    command = ("route", tmp_path / "a.gpx", "--out", tmp_path / f"b.{suffix}")
+    assert [cli(*command)[0] for _ in range(2)] == [0, 0]
+    save_track(Route("", points, (Leg(port=77.8), Leg(speed_max=6.1))), tmp_path / "a.gpx")
+    code, _, err = cli(*command)
+    assert code == 2 and "with other settings" in err
+
+
 def test_metres_from_a_place(cli, tmp_path):
     save_track(Track([[0.0, 0.0], [3000.0, 0.0]]), tmp_path / "tank.geojson")
     code, _, err = cli("route", tmp_path / "tank.geojson")
-    assert code == 2 and "is in metres" in err
+    assert code == 2 and "is in metres" in err and "--origin" in err
     code, _, _ = cli(
         "route", tmp_path / "tank.geojson", "--origin", -33.0, -4.5, "--out", tmp_path / "tank.rtz"
     )
@@ -92,6 +104,10 @@ def test_a_turn_that_does_not_fit_names_the_file(cli, voyage):
         (["a.kml"], "error: a.kml: a track file ends in .rtz, .gpx, .geojson or .json"),
         (["none.rtz", "--geometry", "straight"], "unknown geometry 'straight'"),
         (["none.rtz", "--out", "a.kml"], "--out a.kml: allowed is a .rtz or .gpx or .geojson file"),
+        (
+            ["a.json", "--origin", "1", "2", "--geometry", "orthodrome"],
+            "--origin is for a track in",
+        ),
         (["none.rtz", "--origin", "91", "0"], "latitude = 91.0: allowed is -89 to 89"),
     ],
 )

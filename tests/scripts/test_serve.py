@@ -122,6 +122,8 @@ def test_a_route_brings_xte_and_apb(cli, tmp_path):
         (["--controller", "pidd"], "did you mean 'pid'"),
         (["--duration", "1e6", "--interval", "0.01"], "interval = 0.01: allowed is 0.05"),
         (["--at", "95", "0"], "--at"),
+        (["--patience", "3"], "--patience 3: is of --lockstep"),
+        (["--lockstep", "--speed-up", "10"], "--speed-up 10: in --lockstep"),
         (["--speed-up", "0"], "--speed-up = 0: allowed is 0.01 to 10000"),
     ],
 )

@@ -82,6 +82,21 @@ def test_each_system_of_a_file_keeps_its_direction():
     assert between.mean() < 0.1  # no waves of the mean of the two
 
 
+@pytest.mark.parametrize("apart", [180.0, 175.0, 150.0])
+def test_seas_against_each_other_keep_their_directions(apart):
+    """The mean direction of two that cancel is chance; turning all by it would turn both."""
+    f, deg = np.linspace(0.04, 0.4, 60), np.arange(0.0, 360.0, 10.0)
+    S = 2.0 * np.pi * jonswap(2.0 * np.pi * f, 2.0, 8.0)
+    off = np.radians((deg[None] - np.array([[0.0], [apart]]) + 180.0) % 360.0 - 180.0)
+    D = (np.cos(0.5 * off) ** 100).sum(axis=0)
+    spectrum = of_directions(f, np.radians(deg), S[:, None] * D)
+    to = spectrum.components(60).direction + spectrum.mean_direction
+    for centre in np.radians([0.0, apart]):
+        near = np.abs(np.angle(np.exp(1j * (to - centre)))) < np.radians(45.0)
+        assert near.mean() == pytest.approx(0.5, abs=0.05)
+        assert np.angle(np.exp(1j * (to[near] - centre)).sum()) == pytest.approx(0.0, abs=0.06)
+
+
 def test_period_of_the_peak_and_height():
     spectrum = MeasuredSpectrum(F, over_hertz(3.0, 9.0))
     assert spectrum.peak_period == pytest.approx(9.0, rel=0.03)  # steps of 0.006 Hz

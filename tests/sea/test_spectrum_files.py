@@ -125,7 +125,41 @@ def test_era5_numbers_its_bins_and_keeps_logarithms(tmp_path):
     check(read_spectrum(path), np.trapezoid(density.sum(axis=1) * np.radians(15.0), f))
 
 
+def test_era5_as_the_data_store_names_its_dimensions_now(tmp_path):
+    """wavespectra's reader of ERA5 knows both pairs of names."""
+    f = 0.03453 * 1.1 ** np.arange(30)
+    density = np.stack([np.interp(f, F, column, 0.0, 0.0) for column in over(TO).T], axis=1)
+    with np.errstate(divide="ignore"):
+        logs = np.where(density > 0.0, np.log10(density), np.nan)
+    path = saved(
+        tmp_path,
+        {"d2fd": (("valid_time", "directionNumber", "frequencyNumber"), logs.T[None])},
+        {"directionNumber": np.arange(1.0, 25.0), "frequencyNumber": np.arange(1.0, 31.0),
+         "valid_time": TIMES[:1]},
+    )  # fmt: skip
+    check(read_spectrum(path), np.trapezoid(density.sum(axis=1) * np.radians(15.0), f))
+
+
 R_1 = 0.8
+
+
+@pytest.mark.parametrize(
+    ("direction", "r_1", "words"),
+    [
+        (999.0, 0.8, r"mean_wave_dir\[0\] = 999 deg: allowed is -360 to 360"),
+        (250.0, 80.0, r"wave_spectrum_r1\[0\] = 80: allowed is 0 to 1"),
+    ],
+)
+def test_a_buoy_with_numbers_that_stand_for_missing_or_hundredfold(tmp_path, direction, r_1, words):
+    path = saved(
+        tmp_path,
+        {"spectral_wave_density": (("frequency",), S, {"units": "m2/Hz"}),
+         "mean_wave_dir": (("frequency",), np.full(len(F), direction), {"units": "degrees_true"}),
+         "wave_spectrum_r1": (("frequency",), np.full(len(F), r_1))},
+        {"frequency": axis("frequency", F, units="Hz")},
+    )  # fmt: skip
+    with pytest.raises(ConfigError, match=words):
+        read_spectrum(path)
 
 
 def test_ndbc_and_cdip_buoys(tmp_path):
@@ -186,6 +220,9 @@ def rows(*columns):
 
 def test_csv_of_one_dimension(tmp_path):
     check(read_spectrum(csv(tmp_path, "frequency [Hz],density [m2/Hz]\n" + rows(F, S))), M_0, False)
+    for unit in ("m^2/Hz", "m²/Hz"):
+        text = f"frequency [Hz],density [{unit}]\n" + rows(F, S)
+        check(read_spectrum(csv(tmp_path, text)), M_0, False)
     text = "frequency [rad/s],density [m2 s/rad]\n" + rows(2.0 * np.pi * F, S / (2.0 * np.pi))
     check(read_spectrum(csv(tmp_path, text)), M_0, False)
     spread = math.degrees(math.sqrt(2.0 * (1.0 - R_1)))
@@ -229,7 +266,15 @@ HEAD = "frequency [Hz],density [m2/Hz]\n"
         (HEAD + "0.1,0\n0.2,0\n0.3,0\n", "no energy"),
         (HEAD.strip() + ",spread [deg]\n0.1,1,9\n", "'spread' without"),
         (HEAD.strip() + ",direction_to [deg]\n0.1,1,9\n", "without 'spread"),
-        (HEAD.strip() + ",direction_to [deg],spread [deg]\n0.1,1,9,99\n", "99 deg: allowed is 0"),
+        (HEAD.strip() + ",direction_to [deg],spread [deg]\n0.1,1,9,99\n",
+         r"a.csv:2: spread \[deg\] = 99.0: allowed is 0"),
+        (HEAD.strip() + ",direction_from [deg],spread [deg]\n0.1,1,999,9\n",
+         r"a.csv:2: direction_from \[deg\] = 999.0: allowed is -360 to 360"),
+        ("frequency [Hz],density [m2/Hz/rad],direction_to [deg]\n0.1,1,400\n",
+         "a.csv:2: direction_to"),
+        (HEAD.strip() + ",a1_to [-],b1_to [-]\n0.1,1,0.9,-0.9\n",
+         "a.csv:2: a1, b1 have the length 1.27"),
+        (HEAD.replace(",", ";") + "0.1;1\n", "a.csv:1: cells are parted by ';'"),
         ("frequency [Hz],density [m2/Hz/rad]\n0.1,1\n", "without a column 'direction_from"),
         ("frequency [Hz],density [m2/Hz/rad],direction_to [deg]\n0.1,1,0\n0.1,1,90\n0.2,1,0\n",
          "no row of 0.2 Hz with the direction to 90 deg"),

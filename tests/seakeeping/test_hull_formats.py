@@ -104,6 +104,20 @@ def test_symmetries_of_a_gdf_file_are_unfolded(tmp_path, symmetries, share):
     assert ((a + b + c + d)[:, 2] / 4 @ n[:, 2]) == pytest.approx(share * 20 * 5 * 4)
 
 
+def test_a_nemoh_file_whose_first_list_has_no_end_names_its_last_line(tmp_path):
+    lines = ["2 0", "1 0 0 0", "2 1 0 0", "3 1 1 0", "1 2 3 3", "0 0 0 0"]  # no 0 behind vertices
+    with pytest.raises(ConfigError, match=r"hull.mar:6: the file ends: needed are four corners"):
+        read_hull(written(tmp_path / "hull.mar", lines), SHIP)
+
+
+def test_a_gdf_file_of_fortran_in_double_precision(tmp_path):
+    lines = ["box", "1 9.81", "1 1", "3", *rows(quarter().reshape(-1, 3))]
+    double = [*lines[:4], *(" ".join(f"{float(w):.3E}".replace("E", "D") for w in line.split())
+                            for line in lines[4:])]  # fmt: skip
+    plain, other = (read_gdf(written(tmp_path / "box.gdf", some)) for some in (lines, double))
+    np.testing.assert_array_equal(plain[0], other[0])
+
+
 @pytest.mark.parametrize(
     ("number", "line", "words"),
     [
@@ -184,6 +198,44 @@ def test_surfaces_of_trimesh_are_read(tmp_path, ending):
     assert hydrostatics(found).volume == pytest.approx(VOLUME, rel=1e-3)  # split one way
 
 
+def corners_of(panels):
+    """Lists of three or four numbers of vertices from 0."""
+    return [list(dict.fromkeys(row)) for row in panels.tolist()]
+
+
+def nastran(vertices, panels):
+    lines = [f"GRID,{i},,{x:.6f},{y:.6f},{z:.6f}" for i, (x, y, z) in enumerate(vertices, 1)]
+    for i, row in enumerate(corners_of(panels + 1), 1):
+        kind = "CQUAD4" if len(row) == 4 else "CTRIA3"
+        lines.append(f"{kind},{i},1," + ",".join(str(j) for j in row))
+    return ["CEND", "BEGIN BULK", *lines, "ENDDATA"]
+
+
+def su2(vertices, panels):
+    faces = [
+        f"{9 if len(row) == 4 else 5} " + " ".join(str(j) for j in row) + f" {i}"
+        for i, row in enumerate(corners_of(panels))
+    ]
+    points = rows(vertices, np.arange(len(vertices)))
+    return ["NDIME= 3", f"NELEM= {len(faces)}", *faces, f"NPOIN= {len(points)}", *points]
+
+
+def ugrid(vertices, panels):
+    found = corners_of(panels + 1)
+    faces = [" ".join(str(j) for j in row) for n in (3, 4) for row in found if len(row) == n]
+    three = sum(len(row) == 3 for row in found)
+    head = f"{len(vertices)} {three} {len(found) - three} 0 0 0 0"
+    return [head, *rows(vertices), *faces, *["1"] * len(found)]
+
+
+@pytest.mark.parametrize("ending, lines", [("nas", nastran), ("su2", su2), ("ugrid", ugrid)])
+def test_meshes_of_flow_and_structure_programs_are_read(tmp_path, ending, lines):
+    pytest.importorskip("meshio")
+    path = written(tmp_path / f"hull.{ending}", lines(*capytaine_axes(WHOLE)))
+    found = read_hull(path, SHIP, panels=None)
+    assert hydrostatics(found).volume == pytest.approx(VOLUME, rel=1e-6)
+
+
 def test_faces_of_second_order_count_by_their_corners(tmp_path):
     meshio = pytest.importorskip("meshio")
     vertices, panels = capytaine_axes(WHOLE)
@@ -205,6 +257,8 @@ def test_what_is_no_surface_is_refused(tmp_path):
     meshio.write(path, meshio.Mesh(np.eye(4, 3), [("tetra", [[0, 1, 2, 3]])]))
     with pytest.raises(ConfigError, match=r"hull.vtk: holds tetra: allowed are triangles and quad"):
         read_hull(path, SHIP)
+    with pytest.raises(ConfigError, match=r"hull.3ds: suffix '.3ds': allowed are .gdf, .mar"):
+        read_hull(written(tmp_path / "hull.3ds", ["1 2 3"]), SHIP)
     with pytest.raises(ConfigError, match=r"hull.ele: .ele holds no surface"):
         read_hull(written(tmp_path / "hull.ele", ["1 2 3"]), SHIP)
 

@@ -119,6 +119,27 @@ def test_open_edges_that_count_nothing_are_no_hole(barge):
     check_mesh(mesh, barge)
 
 
+def test_one_panel_of_thousands_is_told_in_the_report(tmp_path, barge):
+    """Too small to count, but whoever reads the card must know."""
+    mesh = box(sides=40, bottom=400)
+    holed = dataclasses.replace(mesh, panels=np.delete(mesh.panels, 500, axis=0))
+    assert not any("still open" in line for line in read_hull(
+        gdf(tmp_path / "whole.gdf", mesh), barge).report)  # fmt: skip
+    found = read_hull(gdf(tmp_path / "holed.gdf", holed), barge)
+    assert any(line.startswith("still open, too little to count: 4 open") for line in found.report)
+
+
+@pytest.mark.parametrize(
+    ("aside", "words"), [(12.0, "12 m to starboard"), (-6e6, "6e\\+06 m to port")]
+)
+def test_both_sides_beside_the_centre_plane_are_no_half(tmp_path, barge, aside, words):
+    """Mirrored they would be two hulls; coordinates of a map are far from zero."""
+    mesh = box(0.0)
+    moved = dataclasses.replace(mesh, vertices=mesh.vertices + [0.0, aside, 0.0])
+    with pytest.raises(ConfigError, match=f"its centre plane lies {words} of zero"):
+        read_hull(gdf(tmp_path / "aside.gdf", moved), barge)
+
+
 def test_a_missing_face_is_a_hole(barge):
     mesh = box(0.0)
     for face in (0, 25, len(mesh.panels) - 1):  # of a side, of the bottom, of the bow

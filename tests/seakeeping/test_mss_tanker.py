@@ -12,7 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ship_gym.seakeeping.database import cell, make_problem
+from ship_gym import Sea, ShipSim
+from ship_gym.sea.state import RegularWave
+from ship_gym.sea.wave_response import wave_table_of
+from ship_gym.seakeeping.database import Grid, build, cell, make_problem
 from ship_gym.seakeeping.drift import encounter_frequency
 from ship_gym.seakeeping.hull_file import read_hull
 from ship_gym.seakeeping.hull_gdf import read_gdf
@@ -21,7 +24,9 @@ from ship_gym.seakeeping.hydrostatics import closure, hydrostatics
 from ship_gym.seakeeping.motions import HEAVE, PITCH, Radiation
 from ship_gym.seakeeping.radiation_diffraction import diffraction, radiation
 from ship_gym.ships import load_ship
+from ship_gym.ships.new_ship import new_ship
 from ship_gym.ships.scaling import scaled
+from ship_gym.ships.write_ship import ship_text
 
 FILE = Path(__file__).resolve().parents[3] / "shared" / "reference" / "field" / "mss_tanker.gdf"
 L, B, T = 246.0, 46.0, 10.0
@@ -121,3 +126,27 @@ def test_its_own_panels_and_the_coarse_ones_agree_in_waves(own, ship):
     print(coarse, fine)
     assert abs(fine[0]) < 0.02 and abs(coarse[0]) < 0.02
     np.testing.assert_allclose(coarse[1:], fine[1:], rtol=0.05, atol=0.005)
+
+
+def test_a_new_ship_of_its_particulars_sails_in_waves_without_a_form(tmp_path):
+    """As a user would: particulars, the file, a (tiny) table beside the ship file, a sea."""
+    pytest.importorskip("capytaine")
+    pytest.importorskip("joblib")
+    given = {"L": L, "B": B, "d": T, "volume": volume_of_file(), "speed": 7.7, "x_G": 3.93}
+    made = dataclasses.replace(new_ship("kvlcc2", "mss", given), form=None)
+    file = tmp_path / "mss" / "ship.toml"
+    file.parent.mkdir()
+    file.write_text(ship_text(made, "given"), "utf-8")
+    ship = load_ship(file)
+    assert ship.form is None and not ship.wave_table
+    mesh = read_hull(FILE, ship, panels=120)
+    grid = Grid((0.0, 0.15), 3, 2, longest=2.0, shortest=0.5, encounter=3)
+    table = build(ship, mesh, file.with_name("waves_mss.npz"), grid)
+    assert table.card["body"]["GM"] * L == pytest.approx(22.52 - T, rel=0.02)  # KM of the file
+    assert "no [form]" in table.card["mesh"][-1]
+    sailing = load_ship(file)
+    assert wave_table_of(sailing).card["made_for"]["volume"] == pytest.approx(ship.hull.volume)
+    sim = ShipSim(sailing, n=1, sea=Sea(regular=RegularWave(1.0, 0.7)))
+    sim.reset(0, speed=ship.speed)
+    sim.step(np.array([[0.0, 1.0]]), 1.0)
+    assert np.isfinite(sim.state).all()

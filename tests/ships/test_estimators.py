@@ -8,6 +8,8 @@ import pytest
 
 from ship_gym.config import ConfigError
 from ship_gym.ships import estimators as e
+from ship_gym.ships.files import DATA
+from ship_gym.ships.filled import FILLED
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Hull
 
@@ -135,3 +137,24 @@ def test_wetted_surface_wake_and_rudder_inflow():
 def test_impossible_particulars_are_refused(particulars, message):
     with pytest.raises(ConfigError, match=message):
         e.estimated_hull(*particulars)
+
+
+def test_a_file_that_asks_for_estimates_needs_only_what_they_do_not_fill(tmp_path):
+    """``estimate = true`` fills everything that it says: nothing more has to be in [hull]."""
+    text = (DATA / "kvlcc2_model" / "ship.toml").read_text("utf-8")
+    head, _, rest = text.partition("[hull]")
+    given = [
+        line
+        for line in rest.partition("[form]")[0].splitlines()
+        if line.split(" ")[0] in ("L", "B", "d", "volume", "x_G", "form_factor", "C_A", "R_0")
+    ]
+    file = tmp_path / "ship.toml"
+    hull = "\n".join(["[hull]", "estimate = true", *given])
+    file.write_text(f"{head}{hull}\n\n[form]{rest.partition('[form]')[2]}", "utf-8")
+    ship, old = load_ship(file), load_ship("kvlcc2_model")
+    assert {f"hull.{key}" for key in FILLED} <= ship.estimated.keys()
+    assert ship.hull.S == e.wetted_surface(7.0, 1.27, 0.46, 3.27 / (7.0 * 1.27 * 0.46))
+    assert ship.hull.k_zz == 0.25 * 7.0 and ship.hull.C_D == old.hull.C_D
+    file.write_text(file.read_text("utf-8").replace("C_A =", "# C_A ="), "utf-8")
+    with pytest.raises(ConfigError, match=r"missing key hull.'C_A'; .* S, k_zz and C_D only"):
+        load_ship(file)

@@ -164,7 +164,8 @@ def test_what_estimates_need_is_missing_where_it_is(tmp_path):
     with pytest.raises(ConfigError) as error:
         load_ship(path)
     assert [line.split("mine.toml: ")[1] for line in str(error.value).splitlines()] == [
-        "missing key hull.'B'; hull.estimate = true fills up only added masses and derivatives"
+        "missing key hull.'B'; hull.estimate = true fills up added masses, derivatives, S, k_zz "
+        "and C_D only"
     ]
 
 

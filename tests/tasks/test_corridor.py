@@ -130,6 +130,19 @@ def test_a_limit_narrower_than_a_tenth_of_the_ship_is_refused(sea_room):
         sea_room(limits=[[NAN, NAN], [10.0, NAN]])
 
 
+def test_a_limit_of_a_file_is_told_with_the_file_and_the_way_point(tmp_path):
+    pytest.importorskip("pyproj", reason="extra 'geo' not installed")
+    from ship_gym.envs.env import ShipEnv
+    from ship_gym.tracks import Leg, Route, Waypoint, save_track
+
+    path = tmp_path / "route.geojson"
+    places = [Waypoint(54.0, 8.0), Waypoint(54.1, 8.0), Waypoint(54.2, 8.0, name="Buoy")]
+    save_track(Route("r", tuple(places), (Leg(), Leg(port=10.0))), path)
+    told = r"route.geojson: track: the leg to way-point 2 \('Buoy'\) allows 10 m to port; at least"
+    with pytest.raises(ConfigError, match=told):
+        ShipEnv(scenario="track_calm", overrides={"track.kind": "points", "track.file": str(path)})
+
+
 def test_pieces_of_a_turn_that_are_shorter_than_an_interval_are_all_passed(sea_room):
     """A quarter of a circle of 1000 m in pieces of 3 m, of which she passes two in a second."""
     angle = np.linspace(0.0, 0.5 * math.pi, 520)

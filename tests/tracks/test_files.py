@@ -31,6 +31,10 @@ def collection(*features, **members):
     return {"type": "FeatureCollection", "features": list(features), **members}
 
 
+def crs(form, name):
+    return {**form, "crs": {"type": "name", "properties": {"name": name}}}
+
+
 def point(longitude, latitude, **properties):
     geometry = {"type": "Point", "coordinates": [longitude, latitude]}
     return {"type": "Feature", "properties": properties, "geometry": geometry}
@@ -136,6 +140,21 @@ def test_every_form_of_the_same_line(written, charts):
         np.testing.assert_allclose(load_track(written(form)).points, expected, atol=1e-6)
 
 
+def test_what_says_that_it_is_in_degrees(written, charts):
+    """A null of GDAL says nothing; a crs in degrees, or a cut at the antimeridian, says it."""
+    far = [[-5.1, 48.3], [-73.9, 40.5]]  # would be refused: it may be in metres
+    for name in ("urn:ogc:def:crs:OGC:1.3:CRS84", "EPSG:4326", "urn:ogc:def:crs:EPSG::4258"):
+        assert load_route(written(crs(line(far), name))).waypoints[1].longitude == -73.9
+    assert load_route(written(line(units=None, name=None, legs=None))).name == ""
+    assert load_route(written({**line(), "crs": None})).waypoints[0].longitude == LINE[0][0]
+    cut = lines([[170.0, -40.0], [180.0, -41.0]], [[-180.0, -41.0], [-170.0, -42.0]])
+    assert len(load_route(written(cut)).waypoints) == 2
+    with pytest.raises(ConfigError, match="km long, or it is in metres"):
+        load_route(written(line([[170.0, -40.0], [190.0, -42.0]])))
+    metres = crs(line([[3e5, 6e6], [3e5, 6.1e6]], units="m"), "EPSG:25832")
+    assert load_track(written(metres)).total_length == 1e5
+
+
 def test_metres_are_east_before_north(written):
     in_metres = [[200.0, 1500.0], [0.0, 0.0]]
     for form in (
@@ -184,6 +203,9 @@ def test_metres_are_east_before_north(written):
             marks=pytest.mark.skipif(not find_spec("pyproj"), reason="extra 'geo' not installed"),
         ),
         (line([[3.0, 4.0], [0.0, 0.2]]), "way-point 1 .*metres"),
+        (line([[5.0 + 0.5 * i, 2.0] for i in range(40)]), "line would be 21.. km long"),
+        (crs(line(), "urn:ogc:def:crs:EPSG::25832"), "crs = 'urn:.*25832': must be WGS84"),
+        ({**line(), "crs": 5}, "crs = 5: must be WGS84"),
         (line([[541.0, 50.0], [541.0, 50.1]]), "not a longitude within 540"),
         (line(geometry="straight"), "unknown geometry 'straight'"),
         (line(name=5), "name = 5: must be a text"),
@@ -228,6 +250,8 @@ def test_bad_paths(tmp_path):
         load_track(tmp_path / "missing.geojson")
     with pytest.raises(ConfigError, match=r"ends in \.rtz, \.gpx, \.geojson or \.json"):
         load_track(Path("track.kml"))
+    with pytest.raises(ConfigError, match=r"a \.rtzp is a zip archive, unpack the \.rtz"):
+        load_track(Path("track.rtzp"))
     with pytest.raises(ConfigError, match=r"ends in \.rtz, \.gpx, \.geojson or \.json"):
         save_track(Track(POINTS), tmp_path / "track.csv")
     for name in ("a.rtz", "a.gpx"):

@@ -269,3 +269,25 @@ def test_numbers_come_back_bit_by_bit(tmp_path):
         route = Route("x", points, (Leg(port=float(known) * 1852.0),))
         save_track(route, tmp_path / "a.rtz")
         assert load_route(tmp_path / "a.rtz").legs == route.legs
+
+
+def test_the_largest_radius_is_that_of_the_version(tmp_path):
+    """Schemas of RTZ: radius below 10 NM in 1.0, at most 5 NM in 1.1 and 1.2; limits below 10."""
+    path = tmp_path / "wide.rtz"
+    for version, fits in (("1.0", True), ("1.1", False), ("1.2", False)):
+        path.write_text(
+            f'<route xmlns="http://www.cirm.org/RTZ/{version.replace(".", "/")}" '
+            f'version="{version}"><routeInfo routeName="wide"/><waypoints>'
+            '<waypoint id="1"><position lat="54" lon="10"/></waypoint>'
+            '<waypoint id="2" radius="8"><position lat="54.5" lon="10"/></waypoint>'
+            '<waypoint id="3"><position lat="54.5" lon="11"/></waypoint></waypoints></route>'
+        )
+        if fits:
+            assert load_route(path).waypoints[1].radius == 8 * 1852.0
+        else:
+            with pytest.raises(ConfigError, match=r"id 2: radius = 8\.0: allowed is 0 to 5 .NM"):
+                load_route(path)
+    points = Waypoint(54.0, 10.0), Waypoint(54.5, 10.0)
+    with pytest.raises(ConfigError, match=r"portsideXTD = 10: must be below 10 .NM"):
+        save_track(Route("", points, (Leg(port=18520.0),)), tmp_path / "out.rtz")
+    assert not (tmp_path / "out.rtz").exists()

@@ -37,10 +37,12 @@ VERBS = {
     "tune": "Tune controllers for ships on seeds kept for tuning; say what it gained.",
     "tune-agent": "Search for hyperparameters of training with Optuna; write best.toml for train.",
     "fit-surrogate": "Fit a propeller and rudder surrogate to CFD points.",
+    "fit-hull": "Fit a ship's hull derivatives to captive tests; write the fitted ship.",
     "draw": "Draw what papers draw of surrogates and of the forces in a turn.",
     "build-wave-table": "Compute a ship's wave table by boundary elements.",
     "speed": "Measure how fast physics, environments and training run, beside CartPole and peers.",
     "warm-up": "Compile beforehand what ships and tasks need, so that nobody waits later.",
+    "new-ship": "Write the file of a ship of your own from her particulars.",
     "list": "List what can be named: ships, scenarios, tasks, controllers, recipes, surrogates.",
     "completion": "Print the script that completes ship-gym in a shell.",
 }

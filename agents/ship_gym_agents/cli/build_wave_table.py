@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ _HULL_FILE = {  # options of --mesh and what they are without a word
     "--ship kcs_model --quick --out runs/coarse.npz",
     "--from runs/waves_kcs_model.npz --report",
 )
-@ship("kcs_model; a file needs a section [form]")
+@ship("kcs_model; a file needs a section [form], or --mesh")
 @click.option(
     "--mesh",
     type=click.Path(path_type=Path),
@@ -44,7 +45,7 @@ _HULL_FILE = {  # options of --mesh and what they are without a word
     type=OwnNumber(40, 20000),
     default=_HULL_FILE["panels"],
     show_default=True,
-    help="Panels made of it for both sides; own: as they are.",
+    help="Panels for both sides; own: as they are in --mesh.",
 )
 @out(".npz", "Table file; default: waves_<ship>.npz, beside a ship file or in runs.")
 @click.option("--quick", is_flag=True, help="Coarse: 3 speeds, 7 headings, 12 waves.")
@@ -124,20 +125,28 @@ def _hull(asked: Asked, ship: Any):
 
     if asked.mesh is None:
         _check_alone(asked)
-        return hull_form.parametric_mesh(ship)
+        return hull_form.parametric_mesh(ship, *_drawn(asked.panels))
     where = {name: getattr(asked, name) for name in _HULL_FILE}
     where["panels"] = None if asked.panels == "own" else asked.panels
     return hull_file.read_hull(asked.mesh, ship, **where)
+
+
+def _drawn(panels: int) -> tuple[int, int]:
+    """Panels along and around the half of a drawn hull, for so many on both sides or more."""
+    from ship_gym.seakeeping.hull_form import GIRTH, STATIONS
+
+    ratio = math.sqrt(panels / (2.0 * STATIONS * GIRTH))
+    return math.ceil(ratio * STATIONS), max(3, math.ceil(ratio * GIRTH))
 
 
 def _check_alone(asked: Asked) -> None:
     """Refuse an option of a hull file where there is none."""
     from ship_gym.config import ConfigError
 
-    for name, without in _HULL_FILE.items():
-        if getattr(asked, name) != without:
-            option = "--" + name.replace("_", "-")
-            raise ConfigError(f"{option}: belongs to a hull file: name it with --mesh")
+    alone = [name for name, without in _HULL_FILE.items() if getattr(asked, name) != without]
+    if alone and (alone != ["panels"] or asked.panels == "own"):
+        option = "--" + alone[0].replace("_", "-")
+        raise ConfigError(f"{option}: belongs to a hull file: name it with --mesh")
 
 
 def _existing(asked: Asked) -> Made:

@@ -38,6 +38,10 @@ _PARAMETERS = {
     "n": ("start.propeller_speed", 1.0),
     "interval": ("integration.interval", 1.0),
 }
+_OWN = (
+    *(("sea.wave_height", "waves"), ("sea.swell_height", "swell")),
+    *(("sea.wind_speed", "wind"), ("sea.current_speed", "current")),
+)
 _COMPASS = Number(-360.0, 360.0, "deg")
 
 
@@ -119,7 +123,9 @@ def _given(options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _as_text(found: dict[str, Any], path: Path) -> str:
-    sea = found["values"]["sea.name"]
+    values = found["values"]
+    own = [kind for key, kind in _OWN if values.get(key)]
+    sea = values["sea.name"] + (f" with {', '.join(own)} of its own" if own else "")
     lines = [f"{found['ship']} as FMU of FMI {found['fmi']}.0 for co-simulation, sea {sea}"]
     lines += [f"wrote {file}" for file in found["files"]]
     lines.append(f"next: python -m fmpy info {path}; docs/cosimulation.md sails a zig-zag with it")

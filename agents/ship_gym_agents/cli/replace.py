@@ -173,9 +173,25 @@ def trials(ships: Iterable[str]) -> Result:
     return Result(f"values of the trials of {', '.join(ships)}", ["trials", ships])
 
 
-def route(made: Mapping[str, Any]) -> Result:
-    """A route, by all that it is."""
-    return Result(f"the route {made['name']!r}", ["route", made])
+def route(made: Mapping[str, Any], path: Path) -> Result:
+    """A route in a file, by all that every format keeps.
+
+    RTZ numbers the way-points of a route that has no numbers and names one without a name after
+    the file; its nautical miles and knots come back as metres but for the last bits.
+    """
+    name = made["name"] or (path.stem if path.suffix.lower() == ".rtz" else "")
+    points = [{**point, "id": None} for point in made["waypoints"]]
+    kept = [[_rounded(part) for part in parts] for parts in (points, made["legs"])]
+    return Result(f"the route {name!r}", ["route", name, *kept])
+
+
+def _rounded(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: round(v, 9) if isinstance(v, float) else v for key, v in values.items()}
+
+
+def fitted_ship(ship: str) -> Result:
+    """A ship file whose numbers were fitted, by the ship that it began with."""
+    return Result(f"a ship fitted from {ship}", ["fitted ship", ship])
 
 
 def fmu(ship: str) -> Result:

@@ -13,6 +13,7 @@ from ship_gym_agents.cli.replace import (
     bound,
     comparison,
     evaluation,
+    fitted_ship,
     fmu,
     gains,
     history,
@@ -51,9 +52,20 @@ def _onnx_in(path: Path) -> Result:
 def _gains_in(path: Path) -> Result:
     from ship_gym.reading import read_toml
 
+    if first := _fitted_from(path):
+        return fitted_ship(first)
     found = read_toml(path)
     found["gains"], found["tuning"]
     return gains(found.get("controller", "pid"), found["ship"], found.get("task"))
+
+
+def _fitted_from(path: Path) -> str:
+    """The ship that a fitted one began with, from the first line of its file; else empty."""
+    from ship_gym.identification.ship_text import MARK
+    from ship_gym.reading import read_text
+
+    line = read_text(path).partition("\n")[0]
+    return line.removeprefix(f"{MARK} from ").partition(";")[0] if line.startswith(MARK) else ""
 
 
 def _table_in(path: Path) -> Result:
@@ -126,7 +138,7 @@ def _json_in(path: Path) -> Result:
 def _route_in(path: Path) -> Result:
     from ship_gym.tracks import load_route
 
-    return route(load_route(path).to_meta())
+    return route(load_route(path).to_meta(), path)
 
 
 def _markdown_in(path: Path) -> Result | None:

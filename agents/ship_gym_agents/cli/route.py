@@ -21,6 +21,7 @@ formats:
     "voyage.rtz                              # its legs and turns",
     "voyage.rtz --out voyage.gpx",
     "track.gpx --geometry orthodrome --out track.rtz --picture track.png",
+    "logged.gpx --simplify 20 --out route.gpx            # a track as a receiver logs it",
     "tank.geojson --origin 52.0 4.37 --out tank.gpx      # metres from a place",
     notes=_NOTES,
 )
@@ -37,28 +38,40 @@ formats:
     metavar="LATITUDE LONGITUDE",
     help="Where north = east = 0 of a track in metres lies [deg].",
 )
+@click.option("--name", help="Which route or track of a GPX file that holds several.")
+@click.option(
+    "--simplify",
+    type=Number(1e-3, 1e6, "m"),
+    metavar="METRES",
+    help="Leave out way-points of a logged track that lie so near to the rest of it.",
+)
 @out(".rtz", "Write the route; the extension says how.", more=(".gpx", ".geojson"))
 @out(".png", "Also draw it.", "--picture")
 @force()
-def command(as_json, file, geometry, origin, out, picture, force) -> None:
+def command(as_json, file, geometry, origin, name, simplify, out, picture, force) -> None:
     """Show a route of an ECDIS or a plotter: legs, turns, limits; write it anew.
 
     Bearings and lengths are those on the earth (WGS84) of each leg as it runs: rhumb line or great
     circle. Turns with a radius are sailed as arcs.
     """
-    from ship_gym.config import told_of
-    from ship_gym.tracks import load_route, save_track
+    from ship_gym.config import ConfigError, told_of
+    from ship_gym.tracks import load_route, save_track, simplified
     from ship_gym_agents.cli.output import need, next_command, show
     from ship_gym_agents.cli.replace import check_replaced
     from ship_gym_agents.cli.replace import route as result_of
 
     if picture:
         need("matplotlib")
-    route = _placed(file, origin) if origin else load_route(file, geometry)
+    if origin and geometry:
+        raise ConfigError(f"--geometry {geometry}: --origin is for a track in metres, on no chart")
+    if origin and name:
+        raise ConfigError(f"--name {name}: --origin is for a track in metres, which has none")
+    route = _placed(file, origin) if origin else load_route(file, geometry, name)
     with told_of(file):
+        route = route if simplify is None else simplified(route, simplify)
         track = route.track()
     if out is not None:
-        check_replaced(out, result_of(route.to_meta()), force)
+        check_replaced(out, result_of(route.to_meta(), out), force)
         save_track(route, out)
     if picture is not None:
         from ship_gym.plotting.route import plot_route

@@ -122,6 +122,7 @@ def _serve(task, controller, record: Path | None, force, options) -> dict[str, A
             name: options[name] for name in ("speed_up", "lockstep", "patience", "apb", "simulated")
         },
     }
+    settings.check_clock(options["lockstep"], options["patience"], options["speed_up"])
     to = settings.targets(options["udp_to"], options["listen"], kinds)
     waters = settings.waters(options["route"], options["at"], options["heading"])
     vessel = _vessel(task, controller, waters, options)

@@ -46,6 +46,16 @@ def waters(route: str | None, at: tuple[float, float] | None, heading: float | N
     )
 
 
+def check_clock(lockstep: bool, patience: float | None, speed_up: float) -> None:
+    """Refuse an option of a clock that is not there."""
+    from ship_gym.config import ConfigError
+
+    if patience is not None and not lockstep:
+        raise ConfigError(f"--patience {patience:g}: is of --lockstep; else --duration ends it")
+    if lockstep and speed_up != 1.0:
+        raise ConfigError(f"--speed-up {speed_up:g}: in --lockstep time waits for orders alone")
+
+
 def rates(given: Sequence[str]) -> dict[str, float]:
     """Sentences in a second by kind, of ``--rate HDT=20 GGA=0``."""
     return _pairs("--rate", given, _rate, f"a number from 0 to {_MOST:g}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
 from typing import NamedTuple
 
 import numpy as np
@@ -110,5 +111,6 @@ def ends_of(track: Track) -> list[tuple[str, float, float]]:
 
 def _named(name: str, number: int) -> str:
     """A name in letters that a sentence may hold, W and the number of the way-point without one."""
-    text = re.sub(r"[^A-Za-z0-9_. -]+", "", name).strip()[:_LONGEST]
+    plain = unicodedata.normalize("NFKD", name)  # letters without their accents
+    text = re.sub(r"[^A-Za-z0-9_. -]+", "", plain).strip()[:_LONGEST]
     return text or f"W{number:03d}"

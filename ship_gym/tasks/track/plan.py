@@ -39,7 +39,8 @@ class Tracks:
         self._points = self._fixed_points()
         self._check_turns()
         self._corridor = scenario.limits.corridor * self._L
-        self._limits = _own_limits(self.track, self._L)
+        with self._named():
+            self._limits = _own_limits(self.track, self._L)
         random = self._range.kind == "random"
         self._n_random = n_draws(self._range.legs) if random else 0
         rows = self._range.legs + 1 if random else len(self._points)
@@ -59,6 +60,10 @@ class Tracks:
             found["leg_of"] = np.asarray(track.leg_of).tolist()
         return found
 
+    def _named(self) -> contextlib.AbstractContextManager:
+        """Puts the file of the track before what is told of it."""
+        return told_of(self._range.file) if self._range.file else contextlib.nullcontext()
+
     def _fixed_points(self) -> np.ndarray | None:
         """Way-points that every episode sails, in metres or ship lengths; None: random ones."""
         if self.track is not None:
@@ -71,7 +76,7 @@ class Tracks:
             return
         track = self.track or Track(self._points * self._L.max())
         try:
-            with told_of(self._range.file) if self._range.file else contextlib.nullcontext():
+            with self._named():
                 track.check_turns(self._range.turn_radius * self._L.max())
         except ConfigError as error:
             raise ConfigError(
@@ -132,7 +137,14 @@ def _own_limits(track: Track | None, L: np.ndarray) -> np.ndarray | None:
     smallest = NARROWEST * float(L.max())
     for leg, side in np.argwhere(track.limits < smallest)[:1]:
         raise ConfigError(
-            f"track: leg {leg + 1} allows {track.limits[leg, side]:g} m to "
+            f"track: {_leg_in_words(track, leg)} allows {track.limits[leg, side]:g} m to "
             f"{('port', 'starboard')[side]}; at least {smallest:.0f} m is needed, {NARROWEST:g} L"
         )
     return track.limits
+
+
+def _leg_in_words(track: Track, leg: int) -> str:
+    """A leg by what its route calls its end; an arc or a geodesic has many legs of the plane."""
+    if track.route is None or track.leg_of is None:
+        return f"leg {leg + 1}"
+    return f"the leg to {track.route.label(int(track.leg_of[leg]) + 1)}"

@@ -11,9 +11,10 @@ from ship_gym_agents.serve.instruments import Seen, relative  # noqa: E402
 from ship_gym_agents.serve.nmea import LONGEST, made  # noqa: E402
 from ship_gym_agents.serve.server import periods  # noqa: E402
 from ship_gym_agents.serve.talk import RATES, TALKERS, Fix, sentences_of  # noqa: E402
-from ship_gym_agents.serve.voyage import OnLeg  # noqa: E402
+from ship_gym_agents.serve.voyage import OnLeg, ends_of  # noqa: E402
 
 from ship_gym.conventions import KNOT  # noqa: E402
+from ship_gym.tracks import Route, Waypoint  # noqa: E402
 
 UTC = datetime.datetime(2026, 7, 9, 4, 5, 6, 789012, tzinfo=datetime.UTC)
 SEEN = Seen(
@@ -150,3 +151,15 @@ def test_rates_are_whole_intervals():
     assert set(periods(RATES, 1.0).values()) == {1}
     assert periods(RATES | {"GGA": 0.0, "HDT": 0.2}, 1.0)["HDT"] == 5
     assert "GGA" not in periods(RATES | {"GGA": 0.0}, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [("Sjællands Øst", "Sjllands st"), ("Kühlung*,$", "Kuhlung"), ("東京", "W003"), ("", "W003")],
+)
+def test_names_of_waypoints_in_letters_of_a_sentence(name, told):
+    """Accents go, other letters too; a name of which nothing is left is its number."""
+    pytest.importorskip("pyproj", reason="extra 'geo' not installed")
+    points = [Waypoint(54.0 + 0.1 * k, 10.0, name) for k in range(4)]
+    track = Route("", tuple(points)).track()
+    assert ends_of(track)[-1][0] == told[:10]

@@ -1,0 +1,1 @@
+"""What the site needs beside Sphinx: equations without a network, pages of source files."""

@@ -1,0 +1,112 @@
+"""Records of a free-running ship: track, heading, rudder and propeller speed over time.
+
+Our own form starts as every data file does (``csv_file.read_csv``), has the columns ``t [s]``,
+``x [m]`` (north), ``y [m]`` (east), ``psi [deg]``, ``delta [deg]`` (positive to starboard) and
+``n [rpm]`` or ``n [rev/s]``, and may have a line ``# length: 320``, the ship's own [m]. The files
+of MARIN's free-running tests of KVLCC2 (SIMMAN 2008) are known by their first line.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ship_gym.config import UNITS, ConfigError, check_number
+from ship_gym.csv_file import read_csv
+from ship_gym.plain_csv import read_plain_csv
+from ship_gym.reading import read_text
+from ship_gym.ships.particulars import Ship
+
+COLUMNS = ("t", "x", "y", "psi", "delta", "n")
+_MARIN = {"t": "s", "x": "m", "y": "m", "psi": "deg", "delta": "deg", "n": "rpm"}
+_MARIN_LENGTH = 320.0  # [m]; their rudder angle is positive to port
+_STEP = 0.025  # [L / U0] between rows that are sailed
+_START = 0.2  # [L / U0] over which the motion at the start is measured
+_LEAST = 20  # rows
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Record:
+    """A record at the scale of the ship, in SI, from a start at t = 0.
+
+    Attributes
+    ----------
+    path : str
+    t, x, y, psi : numpy.ndarray
+        Shape (m,); `psi` goes on beyond 180 deg.
+    delta, n : numpy.ndarray
+        Mean from each row to the next, shape (m,).
+    motion : tuple of float
+        u, v [m/s] and r [rad/s] at the start, by straight lines through the first rows.
+    """
+
+    path: str
+    t: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    psi: np.ndarray
+    delta: np.ndarray
+    n: np.ndarray
+    motion: tuple[float, float, float]
+
+
+def read_record(path: str | Path, ship: Ship) -> Record:
+    """A record of a file, moved to the scale of a ship by Froude's law.
+
+    Raises
+    ------
+    ConfigError
+        Missing column, time that does not go on, or a record that is too short.
+    """
+    marin = "free-running test at MARIN" in read_text(path).partition("\n")[0]
+    length, columns = _marin(path) if marin else _own(path, ship)
+    ratio = ship.hull.L / length
+    c = {name: columns[name] for name in COLUMNS}
+    if len(c["t"]) < _LEAST:
+        raise ConfigError(f"{path}: {len(c['t'])} rows: allowed are {_LEAST} or more")
+    if not (np.diff(c["t"]) > 0.0).all():
+        row = int((np.diff(c["t"]) <= 0.0).argmax()) + 2
+        raise ConfigError(f"{path}: t [s] in row {row}: must be later than in the row before")
+    c["t"] = (c["t"] - c["t"][0]) * math.sqrt(ratio)
+    c["x"], c["y"] = c["x"] * ratio, c["y"] * ratio
+    c["psi"], c["n"] = np.unwrap(c["psi"]), c["n"] / math.sqrt(ratio)
+    motion = _motion(path, c, ship)
+    k = max(int(_STEP * ship.hull.L / motion[0] / np.median(np.diff(c["t"]))), 1)
+    for name in ("delta", "n"):
+        c[name] = _means(c["t"], c[name], k)
+    return Record(str(path), *(c[name][::k] for name in COLUMNS[:4]), c["delta"], c["n"], motion)
+
+
+def _means(t: np.ndarray, values: np.ndarray, k: int) -> np.ndarray:
+    """Mean of a history, straight between its rows, from each k-th row to the next."""
+    area = np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(t))])
+    return np.append(np.diff(area[::k]) / np.diff(t[::k]), values[-1])
+
+
+def _own(path: str | Path, ship: Ship) -> tuple[float, dict[str, np.ndarray]]:
+    data = read_csv(path).require(*COLUMNS)
+    length = data.number("length") if "length" in data.header else ship.hull.L
+    length = check_number(f"{path}: length", length, 0.1, 1000.0, "m")
+    return length, {name: data.si(name) for name in COLUMNS}
+
+
+def _marin(path: str | Path) -> tuple[float, dict[str, np.ndarray]]:
+    table = read_plain_csv(path)
+    columns = {
+        name: table.numbers(f"{name} [{unit}]") * UNITS[unit][0] for name, unit in _MARIN.items()
+    }
+    return _MARIN_LENGTH, columns | {"delta": -columns["delta"]}
+
+
+def _motion(path: str | Path, c: Mapping[str, np.ndarray], ship: Ship) -> tuple[float, ...]:
+    """u, v, r at the start: slopes over the first `_START` of a ship length."""
+    first = c["t"] <= max(_START * ship.hull.L / ship.speed, float(c["t"][3]))
+    dx, dy, r = (float(np.polyfit(c["t"][first], c[k][first], 1)[0]) for k in ("x", "y", "psi"))
+    cos, sin = math.cos(c["psi"][0]), math.sin(c["psi"][0])
+    u, v = dx * cos + dy * sin, -dx * sin + dy * cos
+    check_number(f"{path}: speed at the start", u, 0.05 * ship.speed, 3.0 * ship.speed, "m/s")
+    return u, v, r

@@ -1,0 +1,51 @@
+import json
+
+import pytest
+from ship_gym_agents.cli import load_verb
+
+from ship_gym.config import ConfigError
+from ship_gym.ships.loader import load_ship
+
+TANKER = ("--like kvlcc2 --L 246 --B 46 --d 14.5 --C_b 0.82 --speed 7.7").split()
+BARGE = ("--like kvlcc2 --L 80 --B 16 --d 3 --C_b 1 --speed 4 --x_G 0").split()
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def new_ship(*words):
+    load_verb("new-ship").main([*words], standalone_mode=False)
+
+
+def test_it_writes_a_folder_and_says_what_to_do_next(folder, capsys):
+    new_ship("tanker", *TANKER)
+    said = capsys.readouterr().out
+    assert "build-wave-table --ship tanker/ship.toml --quick" in said
+    ship = load_ship("tanker/ship.toml")
+    assert ship.name == "tanker" and ship.form is not None
+    with pytest.raises(ConfigError, match="is there already; see --force"):
+        new_ship("tanker", *TANKER)
+    new_ship("tanker", *TANKER, "--force", "--set", "form.KG=12.5", "hull.k_zz=60", "--json")
+    facts = json.loads(capsys.readouterr().out)
+    assert "form.KG" not in facts["estimated"] and "hull.Y_v" in facts["estimated"]
+    assert load_ship("tanker/ship.toml").hull.k_zz == 60.0
+
+
+def test_a_hull_that_cannot_be_drawn_needs_a_file(folder, capsys):
+    new_ship("barge", *BARGE)
+    said = capsys.readouterr().out
+    assert "no [form]" in said and "--mesh HULL_FILE" in said
+    assert load_ship("barge/ship.toml").form is None
+
+
+def test_nothing_is_written_where_something_is_wrong(folder):
+    with pytest.raises(ConfigError, match="missing --L, --B, --d, --speed, --C_b"):
+        new_ship("mine")
+    with pytest.raises(ConfigError, match=r"allowed is 0\.05 to 0\.5 L"):
+        new_ship("mine", *TANKER, "--B", "146")
+    with pytest.raises(ConfigError, match="no ship does this"):  # she circles on the spot
+        new_ship("mine", *BARGE, "--L", "60")
+    assert list(folder.iterdir()) == []
