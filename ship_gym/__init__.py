@@ -30,6 +30,7 @@ if TYPE_CHECKING:  # what `__getattr__` loads, for type checkers and editors (py
     from ship_gym.sea.state import Sea as Sea
     from ship_gym.sea.state import available_seas as available_seas
     from ship_gym.sea.state import load_sea as load_sea
+    from ship_gym.sea.state import measured_sea as measured_sea
     from ship_gym.sea.wave_response import load_wave_table as load_wave_table
     from ship_gym.ships.files import available_ships as available_ships
     from ship_gym.ships.loader import available_surrogates as available_surrogates
