@@ -3,6 +3,9 @@
 python scripts/_lowest.py                # of what every installation needs
 python scripts/_lowest.py rl plot        # and of these extras
 python scripts/_lowest.py --only rl      # of the extra alone, where it asks for more
+
+A requirement may hold from a Python on: ``"numpy>=2.1; python_version >= '3.13'"``; the Python that
+runs this counts.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[1] / "pyproject.toml"
+MARKER = re.compile(r"python_version *(>=|<) *'(\d+\.\d+)'")
 FLOOR = re.compile(r"([A-Za-z0-9._-]+)(\[[a-z0-9,]+\])?>=([0-9][0-9a-z.]*)")
 
 
@@ -27,6 +31,9 @@ def lowest(project: dict, extras: list[str], base: bool = True) -> dict[str, str
     """
     found: dict[str, str] = {}
     for requirement in [*(project["dependencies"] if base else ()), *_of(project, extras)]:
+        requirement, _, marker = requirement.partition(";")
+        if marker and not _holds(marker.strip()):
+            continue
         floor = FLOOR.match(requirement)
         if floor is None:
             sys.exit(f"{PROJECT.name}: {requirement!r} has no lower bound (name>=version)")
@@ -44,6 +51,15 @@ def _of(project: dict, extras: list[str]) -> Iterator[str]:
         for requirement in project["optional-dependencies"][extra]:
             own = re.fullmatch(rf"{project['name']}\[(.+)\]", requirement)
             yield from _of(project, own[1].split(",")) if own else (requirement,)
+
+
+def _holds(marker: str) -> bool:
+    """Whether a marker is true of this Python; only a bound of ``python_version`` is known."""
+    bound = MARKER.fullmatch(marker)
+    if bound is None:
+        sys.exit(f"{PROJECT.name}: marker {marker!r}: only python_version >= or < is known here")
+    new_enough = sys.version_info[:2] >= _order(bound[2])
+    return new_enough == (bound[1] == ">=")
 
 
 def _order(version: str) -> tuple[int, ...]:

@@ -9,7 +9,7 @@ usage() {
 Usage: bash scripts/test.sh [--fast] [pytest arguments]
 
 Makes a virtual environment (.venv) if needed, then runs ruff check, ruff format --check,
-lint-imports, the fast tests and the slow tests. The exit code is 0 only if all of them pass.
+lint-imports, mypy, the fast tests and the slow tests. The exit code is 0 only if all of them pass.
 
   --fast              leave out the slow tests (long validation against trials)
   --kernel-coverage   nothing but the tests of the kernels, with compilation off: prints which
@@ -110,6 +110,7 @@ fi
 check "ruff check" ruff check .
 check "ruff format --check" ruff format --check .
 check "lint-imports" lint-imports
+check "mypy" mypy
 run_pytest "fast tests" "not slow"
 [ "$slow" = no ] || run_pytest "slow tests" "slow"
 [ "$tests_ran" = yes ] || failed+=("no test ran")

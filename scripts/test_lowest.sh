@@ -3,6 +3,8 @@
 set -euo pipefail
 # shellcheck source=scripts/_setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/_setup.sh"
+# shellcheck source=scripts/_core_tests.sh
+source "$(dirname "${BASH_SOURCE[0]}")/_core_tests.sh"
 
 usage() {
     cat <<'HELP'
@@ -41,20 +43,6 @@ while [ $# -gt 0 ]; do
     shift
 done
 
-# With any gymnasium from the floor on: what these use of it are the scalar environments.
-SCALAR=(tests/envs/test_old_gymnasium.py)
-
-USUAL=(
-    tests/envs/{test_old_gymnasium,test_env,test_vector_env,test_start_options,test_streams}.py
-    tests/physics/{test_actuators,test_angles,test_dynamics,test_elementary,test_kernel}.py
-    tests/sea/{test_components,test_gusts,test_records,test_spectra,test_wave_response}.py
-    tests/ships/{test_loader,test_estimators,test_form,test_records,test_scaling}.py
-    tests/tracks tests/tasks tests/scenarios
-    tests/evaluation/{test_metrics,test_rollout,test_splits,test_statistics,test_suite}.py
-    tests/evaluation/{test_episodes_table,test_trajectory_table}.py tests/plotting/test_benchmark.py
-    tests/test_{config,conventions,csv_file,import,simulation,tables}.py
-)
-
 PYTHON="${PYTHON:-$(command -v python3.11 || true)}" # empty: the first that is new enough
 python="$(find_python)"
 work="$(mktemp -d)"
@@ -71,11 +59,6 @@ say "Installing ${pins[*]} for $("$python" --version)"
 pip_install "${pins[@]}" pytest pytest-xdist hypothesis --editable .
 "$PY" -m pip --disable-pip-version-check check
 
-run_pytest() { # FILES...
-    MPLBACKEND=Agg PATH="$work/venv/bin:$PATH" "$PY" -m pytest -q -p no:cacheprovider \
-        -n "${SHIP_GYM_TEST_WORKERS:-2}" -m "not slow" "$@"
-}
-
 if [ ${#arguments[@]} -eq 0 ]; then
     say "Scalar environments with the lowest gymnasium"
     run_pytest "${SCALAR[@]}"
@@ -85,8 +68,5 @@ say "Tests with $vectors, the lowest with native vector environments"
 pip_install "$vectors"
 run_pytest "${arguments[@]}"
 say "The command line"
-"$work/venv/bin/ship-gym" list ships
-"$work/venv/bin/ship-gym" evaluate --controllers pid --episodes 2 --set duration=100 \
-    --out "$work/evaluation.json"
-"$work/venv/bin/ship-gym" simulate turning --out "$work/turn.png" --csv "$work/turn.csv" >/dev/null
+use_command "$work"
 say "The lowest versions pass: $((SECONDS - started)) s"

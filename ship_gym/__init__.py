@@ -9,11 +9,46 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import pkgutil
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ship_gym.envs.registration import ENVIRONMENTS, load_task, register_all, register_task
 from ship_gym.tasks import TASKS
 from ship_gym.tasks.base import class_name
+
+if TYPE_CHECKING:  # what `__getattr__` loads, for type checkers and editors (py.typed)
+    from ship_gym.charts.chart import Chart as Chart
+    from ship_gym.envs.discrete import DiscreteRudder as DiscreteRudder
+    from ship_gym.envs.env import ShipEnv as ShipEnv
+    from ship_gym.envs.record_rerun import RecordRerun as RecordRerun
+    from ship_gym.envs.record_rerun_vector import RecordRerunVector as RecordRerunVector
+    from ship_gym.envs.vector_env import ShipVectorEnv as ShipVectorEnv
+    from ship_gym.gpu.torch_env import ShipTorchEnv as ShipTorchEnv
+    from ship_gym.linear import linearise as linearise
+    from ship_gym.recording.trajectory import Trajectory as Trajectory
+    from ship_gym.scenarios.scenario import available_scenarios as available_scenarios
+    from ship_gym.scenarios.scenario import load_scenario as load_scenario
+    from ship_gym.sea.state import Sea as Sea
+    from ship_gym.sea.state import available_seas as available_seas
+    from ship_gym.sea.state import load_sea as load_sea
+    from ship_gym.sea.state import measured_sea as measured_sea
+    from ship_gym.sea.wave_response import load_wave_table as load_wave_table
+    from ship_gym.ships.files import available_ships as available_ships
+    from ship_gym.ships.loader import available_surrogates as available_surrogates
+    from ship_gym.ships.loader import load_ship as load_ship
+    from ship_gym.ships.particulars import Ship as Ship
+    from ship_gym.ships.scaling import scaled as scaled
+    from ship_gym.simulation import ShipSim as ShipSim
+    from ship_gym.simulation import self_propulsion as self_propulsion
+    from ship_gym.tasks.columns import action_columns as action_columns
+    from ship_gym.tasks.columns import observation_columns as observation_columns
+    from ship_gym.tracks.files import load_route as load_route
+    from ship_gym.tracks.files import load_track as load_track
+    from ship_gym.tracks.route import Route as Route
+    from ship_gym.tracks.track import Track as Track
+
+    CourseChanging: type[ShipEnv]
+    HeadingKeeping: type[ShipEnv]
+    TrackFollowing: type[ShipEnv]
 
 __version__ = "0.1.0"
 

@@ -67,7 +67,7 @@ class Condition:
     yaw_rate: float = 0.0
     omega: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_number("captive speed", self.speed, 1e-3, 100.0, "m/s")
         check_number("captive n", self.n, 0.0, 1e3, "rev/s")
         check_angle("captive beta", self.beta, math.pi)
@@ -198,7 +198,7 @@ def _swinging(run: Condition, phase: float, L: float) -> tuple[Motion, Motion]:
 
 def _harmonics(phase: np.ndarray, rows: np.ndarray) -> dict[str, float]:
     """Mean and harmonics of samples, shapes (m,) and (m, axes)."""
-    found = {}
+    found: dict[str, float] = {}
     for k, axis in enumerate(AXES):
         values = rows[:, k]
         parts = [values.mean()]

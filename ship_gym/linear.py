@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -44,17 +46,17 @@ class LinearShip:
     N_r: float
     N_delta: float
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         names = [f.name for f in dataclasses.fields(self)]
         check_fields("linear_ship", self, dict.fromkeys(names, (-_LARGEST, _LARGEST, "-")))
         if self.N_delta <= 0.0:
             raise ConfigError(f"linear_ship.N_delta = {self.N_delta}: must be positive")
 
-    def rudder_for(self, v, r, r_dot):
+    def rudder_for(self, v: Any, r: Any, r_dot: Any) -> Any:
         """Rudder angle [rad] that gives the yaw acceleration dr'/dt' `r_dot` at v' and r'."""
         return (r_dot - self.N_v * v - self.N_r * r) / self.N_delta
 
-    def sway_acceleration(self, v, r, delta):
+    def sway_acceleration(self, v: Any, r: Any, delta: Any) -> Any:
         """dv'/dt' at v', r' and rudder angle [rad]."""
         return self.Y_v * v + self.Y_r * r + self.Y_delta * delta
 
@@ -209,7 +211,9 @@ class LinearModel:
         }
 
 
-def linearise(ship: Named | Ship, speed: float | None = None, n: float | None = None):
+def linearise(
+    ship: Named | Ship, speed: float | None = None, n: float | None = None
+) -> LinearModel:
     """Linear model of a ship about straight sailing in calm deep water, rudder neutral.
 
     Central differences of forces and accelerations of ``ship_gym.physics`` with steps of 1e-4 in
@@ -255,7 +259,7 @@ def linearise(ship: Named | Ship, speed: float | None = None, n: float | None = 
     return LinearModel(ship.name, L, U, delta, n, slopes[:, :3], slopes[:, 3:], left, valid)
 
 
-def _acceleration(ship: Ship):
+def _acceleration(ship: Ship) -> Callable[[np.ndarray], np.ndarray]:
     """Function of (u, v, r, delta, n) to u', v' [m/s2], r' [rad/s2] in calm water."""
     made = fleet([ship])
     record, tables = made.records[0], Tables(made.open_water[0], made.deflected[0])
@@ -269,7 +273,9 @@ def _acceleration(ship: Ship):
     return feels
 
 
-def _reach(feels, there, left, slope, k, unit, limit, L) -> float:
+def _reach(
+    feels: Any, there: Any, left: Any, slope: Any, k: int, unit: Any, limit: float, L: float
+) -> float:
     """How far along axis `k` (in its unit) the linear accelerations hold to `_WITHIN`."""
     axes = np.array([1.0, L])  # the yaw acceleration as that of a point at a distance L
     reached = 0.0

@@ -270,7 +270,7 @@ def zigzag(
     )
 
 
-def approach(ship: Ship, delta: float, speed: float | None, n: float | None):
+def approach(ship: Ship, delta: float, speed: float | None, n: float | None) -> Any:
     """Checked approach speed [m/s] and propeller speed [rev/s]."""
     check_angle("delta", delta, ship.gear.delta_max)
     U0 = check_number("speed", ship.speed if speed is None else speed, 1e-6, 100.0, "m/s")
@@ -318,7 +318,7 @@ class Run:
         """Number of rows kept."""
         return len(self._kept)
 
-    def until(self, reached, delta: float, longest: float) -> None:
+    def until(self, reached: Any, delta: float, longest: float) -> None:
         """Sail with rudder command `delta` [rad] until `reached(sim, time)` or `longest` [s]."""
         sim, command = self.sim, np.array([[delta, self.n]])
         end = sim.time[0] + longest
@@ -375,7 +375,9 @@ def recording(result: Any) -> Trajectory:
         ``curves`` (a spiral's measures of many values) in its meta.
     """
     full = result.trajectory
-    metrics, units, curves = {}, {}, {}
+    metrics: dict[str, Any] = {}
+    units: dict[str, str] = {}
+    curves: dict[str, Any] = {}
     for name, value in result.measures().items():
         if not isinstance(value, tuple):
             found = {name: value if math.isfinite(value) else None}

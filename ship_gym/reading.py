@@ -106,7 +106,7 @@ def read_as(path: str | os.PathLike, what: str) -> Iterator[None]:
         raise ConfigError(f"{path}: not {what}, or damaged: {told}") from None
 
 
-def read_text(path: str | Path, fallback: str | None = None) -> str:
+def read_text(path: str | os.PathLike[str], fallback: str | None = None) -> str:
     r"""Text of a file, its lines ended by ``\n``; every reader of text goes through here.
 
     A byte order mark (UTF-8, UTF-16, UTF-32) is obeyed and left out; without one the file is in

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -42,6 +42,9 @@ from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship, load_ships
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.records import fleet, numbered
+
+if TYPE_CHECKING:
+    from ship_gym.recording.trajectory import Trajectory
 
 PARALLEL_FROM = (
     1024  # ships; below it waiting for threads costs more than it saves where cores are busy
@@ -123,7 +126,8 @@ class ShipSim:
             raise ConfigError(f"{len(self.ships)} ships given for n = {self.n}")
         self._check_ships()
         made = fleet(self.ships)
-        self._records, self._expected = made.records, ()
+        self._records = made.records
+        self._expected: tuple[str, ...] = ()
         self._tables = Tables(made.open_water, made.deflected)
         sea = CALM if sea is None else sea
         self.water = waters(self.ships, sea if isinstance(sea, Sea) else list(sea))
@@ -485,7 +489,7 @@ def longest_step(ship: Ship) -> float:
     return ship.hull.L / (28.0 * max(ship.speed, ship.file_speed))
 
 
-def straight_forces(ship: Ship, speed: float, n: float):
+def straight_forces(ship: Ship, speed: float, n: float) -> Any:
     """Forces on a straight course with the rudder amidships, as ``physics.dynamics.forces``."""
     made = fleet([ship])
     tables = Tables(made.open_water[0], made.deflected[0])
@@ -565,7 +569,7 @@ def history_columns(
     return {name: np.array(values, dtype=np.float64) for name, values in columns.items()}
 
 
-def through_water(columns: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def through_water(columns: Mapping[str, np.ndarray] | Trajectory) -> tuple[np.ndarray, np.ndarray]:
     """Surge and sway velocity through the water [m/s] of a recording, shapes (T,).
 
     Parameters

@@ -7,7 +7,14 @@
 from __future__ import annotations
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # what `__getattr__` loads, for type checkers and editors (py.typed)
+    from ship_gym_agents.controllers import CONTROLLERS as CONTROLLERS
+    from ship_gym_agents.controllers import PRETRAINED as PRETRAINED
+    from ship_gym_agents.controllers import make_controller as make_controller
+    from ship_gym_agents.controllers import pretrained as pretrained
+    from ship_gym_agents.controllers import trained_for as trained_for
 
 _PUBLIC = (
     "CONTROLLERS",

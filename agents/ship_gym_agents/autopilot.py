@@ -76,8 +76,9 @@ class Autopilot:
     """
 
     KIND: ClassVar[str]
-    TUNED: ClassVar[dict[str, tuple[float, float, float]]] = {}
-    needs = ("sin_error", "cos_error", "yaw_rate", "sway", "rudder")  # of the observation
+    TUNED: ClassVar[dict[str, tuple[float, float, float | None]]] = {}
+    # of the observation
+    needs: ClassVar[tuple[str, ...]] = ("sin_error", "cos_error", "yaw_rate", "sway", "rudder")
 
     def __init__(self, gains: Any = None, name: str = ""):
         self.gains, self.name, self._source = gains, name or self.KIND, "of the ship"
@@ -128,6 +129,7 @@ class Autopilot:
         rows : numpy.ndarray
             Indices, or a mask of shape (count,).
         """
+        part: Any
         for part in (self._watch, self._filter, self._reference):
             if hasattr(part, "restart"):
                 part.restart(rows)

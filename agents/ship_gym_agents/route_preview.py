@@ -33,7 +33,8 @@ class Current:
     def __init__(self, count: int, step: float, time):
         self._step, self.share = step, 1.0 - np.exp(-step / np.asarray(time))
         self.along, self.across = np.zeros(count), np.zeros(count)
-        self._to_go, self._age = None, 0
+        self._to_go: np.ndarray | None = None
+        self._age = 0
 
     def __call__(self, seen: View, psi: np.ndarray, jump: np.ndarray) -> None:
         """Take one measurement; psi [rad] and `jump` as the autopilot has them, shape (count,)."""

@@ -7,6 +7,7 @@ ship may steer by it: its rudder angle over this effect turns the ship as it mea
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +37,8 @@ class RudderEffect:
     def __init__(self, ship: Ship, step: float):
         self._table, self._share = effect_table(ship), 1.0 - np.exp(-step / _SMOOTH)
         self.turns_by = ship.engine.n_max / self_propulsion(ship, ship.speed)
-        self._surge, self._fresh = None, Fresh()
+        self._surge: Any = None
+        self._fresh = Fresh()
 
     def restart(self, rows: np.ndarray) -> None:
         """Begin anew in these rows with the next measurement."""

@@ -40,7 +40,7 @@ class Chart:
     north: np.ndarray
     east: np.ndarray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name in _FIELDS:
             array = np.array(getattr(self, name), dtype=np.float64).reshape(-1)
             array.setflags(write=False)
@@ -57,7 +57,8 @@ class Chart:
         """
         latitude = check_number("latitude", latitude, -geodesy.HIGHEST, geodesy.HIGHEST, "deg")
         longitude = check_number("longitude", longitude, -180.0, 180.0, "deg")
-        return cls(*([value] for value in (latitude, longitude, 0.0, 0.0)))
+        columns: Any = ([value] for value in (latitude, longitude, 0.0, 0.0))
+        return cls(*columns)
 
     @classmethod
     def laid(cls, latitude: Any, longitude: Any) -> Chart:
@@ -156,13 +157,13 @@ class Chart:
     def _bearings(self) -> np.ndarray:
         return np.arctan2(np.diff(self.east), np.diff(self.north))
 
-    def _place_on(self, leg, along, across):
+    def _place_on(self, leg: Any, along: Any, across: Any) -> Any:
         """Places at a length along a leg and across it [m], to starboard."""
         bearing = self._bearings[leg]
         lat, lon = geodesy.rhumb_forward(self.latitude[leg], self.longitude[leg], bearing, along)
         return geodesy.geodesic_forward(lat, lon, bearing + 0.5 * np.pi, across)
 
-    def _foot(self, latitude, longitude):
+    def _foot(self, latitude: Any, longitude: Any) -> Any:
         """Nearest leg in the Mercator projection, and how far along it its nearest place is [m]."""
         per_deg = geodesy.A * np.pi / 180.0
         turns = geodesy.short_way(self.longitude[:-1], self.longitude[1:])
@@ -184,13 +185,13 @@ class Chart:
         return leg, line.length
 
 
-def _turned(north, east, bearing):
+def _turned(north: Any, east: Any, bearing: Any) -> Any:
     """Along and across (to starboard) a bearing [m]."""
     cos, sin = np.cos(bearing), np.sin(bearing)
     return north * cos + east * sin, east * cos - north * sin
 
 
-def _nearest(x, y, north, east, period=None) -> np.ndarray:
+def _nearest(x: Any, y: Any, north: Any, east: Any, period: Any = None) -> np.ndarray:
     """Number of the nearest leg for each place, shape (T,); `period` [m] goes round the earth."""
     dn, de = np.diff(north), np.diff(east)
     length = np.maximum(dn * dn + de * de, np.finfo(float).tiny)

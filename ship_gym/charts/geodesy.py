@@ -159,16 +159,16 @@ def _parallel(latitude: Any, latitude_to: Any, arc: Any) -> Any:
 
 
 @functools.cache
-def _geod():
+def _geod() -> Any:
     return _pyproj().Geod(a=A, f=FLATTENING)
 
 
 @functools.cache
-def _mercator():
+def _mercator() -> Any:
     return _pyproj().Proj("+proj=merc +ellps=WGS84 +units=m")
 
 
-def _pyproj():
+def _pyproj() -> Any:
     try:
         import pyproj
     except ImportError:

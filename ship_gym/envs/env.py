@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from types import FrameType
 from typing import Any
 
 import gymnasium as gym
@@ -129,10 +130,10 @@ def _steps_of_make(made: type) -> int | None:
     `gym.make` gives it to a TimeLimit wrapper only, which can shorten an episode but not lengthen
     it; so we look for it where it stands. None where there is none.
     """
-    frame = sys._getframe(1)
+    frame: FrameType | None = sys._getframe(1)
     while frame is not None:
         if frame.f_code is getattr(gym.make, "__code__", None):
-            spec = frame.f_locals.get("env_spec")
+            spec: Any = frame.f_locals.get("env_spec")
             entry = getattr(spec, "entry_point", None)
             ours = entry is made or str(entry).startswith(f"{__name__.rpartition('.')[0]}.")
             if not ours:
@@ -223,7 +224,9 @@ class ShipEnv(gym.Env):
         """The ship that sails."""
         return self.episodes.ship
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None):
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin an episode; all its randomness comes from one draw of ``np_random``.
 
         Parameters
@@ -242,7 +245,7 @@ class ShipEnv(gym.Env):
             self._screen.begin()
         return self._seen(), self._info()
 
-    def step(self, action):
+    def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Sail one control interval under one action."""
         episodes = self.episodes
         given = np.asarray(action)
@@ -270,7 +273,7 @@ class ShipEnv(gym.Env):
         observation = self.episodes.observations[0]
         return observation.copy() if self._copy else observation
 
-    def render(self):
+    def render(self) -> Any:
         """Picture of the present instant, uint8 (height, width, 3); None in mode ``"human"``."""
         if self._screen is None:
             raise ConfigError(
@@ -278,7 +281,7 @@ class ShipEnv(gym.Env):
             )
         return self._screen.picture()
 
-    def elevation(self, x, y, t=None) -> np.ndarray:
+    def elevation(self, x: Any, y: Any, t: Any = None) -> np.ndarray:
         """Elevation of the sea above still water at places and times [m], ``ShipSim.elevation``."""
         return self.episodes.sim.elevation(x, y, t)
 

@@ -44,20 +44,20 @@ class EpisodeLog:
     def __init__(self, batch: EpisodeBatch, places: int, rows: int | None = None):
         sim = batch.sim
         self.batch = batch
-        self._start = {
+        self._start: dict[str, np.ndarray] = {
             "time": sim.time,
             "states": sim.state,
             "waves": sim.waves,
             "observations": batch.observations,
             **{name: batch.tasks[name] for name in batch.task.history},
         }
-        self._during = {
+        self._during: dict[str, np.ndarray] = {
             "commands": sim.commands,
             "forces": sim.forces,
             "flow": sim.flow,
             "actions": batch.actions,
         }
-        self._earned = {"terms": batch.terms, "rewards": batch.rewards}
+        self._earned: dict[str, np.ndarray] = {"terms": batch.terms, "rewards": batch.rewards}
         self.histories: dict[str, np.ndarray] = {}
         self.lengths = np.zeros(0, dtype=np.int64)
         self._ships = np.zeros(0, dtype=np.int64)  # of each place, -1: free

@@ -22,7 +22,7 @@ _KEEP = ("all", "failed", "worst")
 class RecordingOptions:
     """Options of ``RecordRerun``, see there."""
 
-    folder: Path
+    folder: Any  # str or path; then a Path
     episodes: Any = "all"
     keep: Any = "all"
     by: str | None = None
@@ -32,7 +32,7 @@ class RecordingOptions:
     policy: Any = None
     picture: bool = True
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not isinstance(self.folder, str | os.PathLike) or not os.fspath(self.folder):
             raise ConfigError(f"folder = {self.folder!r}: must be a path")
         self.folder = Path(self.folder).absolute()  # wherever the process goes

@@ -26,6 +26,8 @@ from ship_gym.envs.view import Screen, check_render_mode, offered_modes
 from ship_gym.scenarios.scenario import Scenario
 from ship_gym.ships.particulars import Ship
 
+Stepped = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]  # of `step`
+
 _RENDER_MODES = ("rgb_array",)  # a viewer shows one ship
 
 
@@ -63,6 +65,8 @@ class ShipVectorEnv(VectorEnv):
         "render_fps": 10,
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
+
+    _recording: Any = None  # also of one that `__init__` refuses: gymnasium closes it too
 
     def __init__(
         self,
@@ -135,7 +139,7 @@ class ShipVectorEnv(VectorEnv):
         *,
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
-    ):
+    ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin new episodes, in all environments or those of ``options["reset_mask"]``.
 
         The other options are those of ``ShipEnv.reset``, one value for all or one for each.
@@ -146,7 +150,7 @@ class ShipVectorEnv(VectorEnv):
         self._begin(mask, given)
         return self._seen(), self._infos(mask)
 
-    def step(self, actions):
+    def step(self, actions: Any) -> Stepped:
         """Sail one control interval in every environment, with resets as the mode says."""
         if self.autoreset_mode is AutoresetMode.NEXT_STEP:
             return self._next_step(actions)
@@ -160,7 +164,7 @@ class ShipVectorEnv(VectorEnv):
             )
         return tuple(screen.picture() for screen in self._screens)
 
-    def elevation(self, x, y, t=None, index: int = 0) -> np.ndarray:
+    def elevation(self, x: Any, y: Any, t: Any = None, index: int = 0) -> np.ndarray:
         """Elevation of the sea of an environment at places and times [m], ``ShipSim.elevation``."""
         return self.episodes.sim.elevation(x, y, t, index)
 
@@ -177,7 +181,7 @@ class ShipVectorEnv(VectorEnv):
         for screen in self._screens:
             screen.follow()
 
-    def _next_step(self, actions):
+    def _next_step(self, actions: Any) -> Stepped:
         """An episode that has ended is reset by the next step, whose action is not used."""
         episodes, ended = self.episodes, self._ended
         if ended.any():
@@ -191,7 +195,7 @@ class ShipVectorEnv(VectorEnv):
         rewards = episodes.rewards.copy() if self._copy else episodes.rewards
         return self._seen(), rewards, terminated, truncated, self._infos(self._everyone)
 
-    def _plain_step(self, actions):
+    def _plain_step(self, actions: Any) -> Stepped:
         """Step; in SAME_STEP mode an episode that ends is reset at once, its end kept in info."""
         episodes = self.episodes
         if self.autoreset_mode is AutoresetMode.DISABLED and self._ended.any():
@@ -225,7 +229,7 @@ class ShipVectorEnv(VectorEnv):
             for i in which:
                 self._screens[i].begin()
 
-    def _seeds(self, seed) -> list[int | None]:
+    def _seeds(self, seed: Any) -> list[int | None]:
         if seed is None:
             return [None] * self.num_envs
         if isinstance(seed, int | np.integer) and not isinstance(seed, bool) and seed >= 0:

@@ -18,6 +18,8 @@ from ship_gym.sea.surface import wave_entries
 
 if TYPE_CHECKING:
     from ship_gym.envs.episodes import EpisodeBatch
+    from ship_gym.recording.live import LiveView
+    from ship_gym.rendering.plan_view import PlanView
     from ship_gym.rendering.scene import Scene
 
 RENDER_MODES = ("rgb_array", "human")
@@ -81,7 +83,8 @@ class Screen:
     def __init__(self, mode: str, episodes: EpisodeBatch, index: int = 0):
         self._mode, self._episodes, self._index = mode, episodes, index
         self._wake: deque[tuple[float, float]] = deque(maxlen=_WAKE)
-        self._view = self._live = None
+        self._view: PlanView | None = None
+        self._live: LiveView | None = None
 
     def begin(self) -> None:
         """A new episode begins."""

@@ -151,7 +151,8 @@ def optimum(
             "one"
         )
     problem = _problem(resolved, given, objective, seeds, parallel)
-    costs, actions = {}, {}
+    costs: dict[str, Any] = {}
+    actions: dict[str, Any] = {}
     for pilot, start in _starts(problem, controllers):
         bar = (lambda it, p=pilot: progress(it, f"from {p.name}")) if progress else iter
         if not costs:

@@ -109,7 +109,7 @@ def extremes(
     return {which: _told(seeds, values, i[0]) for which, i in found.items() if i}
 
 
-def _told(seeds: Sequence[int], values: Sequence[float | None], i: int) -> Mapping[str, Any]:
+def _told(seeds: Sequence[int], values: Sequence[float | None], i: int) -> dict[str, Any]:
     value = values[i]
     known = value is not None and not math.isnan(value)
     return {"seed": int(seeds[i]), "value": float(value) if known else None}

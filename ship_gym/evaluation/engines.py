@@ -169,7 +169,8 @@ def on_ray(ray: Any, units: Units, jobs: int, address: str | None, work: Work = 
     if started:
         _start(ray, jobs, address)
     remote = ray.remote(num_cpus=1)(_do_there)
-    todo, under_way = iter(units.items()), {}
+    todo = iter(units.items())
+    under_way: dict[Any, Any] = {}
     try:
         while True:
             while len(under_way) < 2 * jobs and (item := next(todo, None)) is not None:

@@ -182,7 +182,8 @@ class _Judge:
     """Asks controllers whether they sail something, once for everything that is alike to them."""
 
     def __init__(self, entrants: dict[str, Entrant]):
-        self._entrants, self._known = entrants, {}
+        self._entrants = entrants
+        self._known: dict[Any, Any] = {}
 
     def refuses(self, named: str, batch: EpisodeBatch, seed: int) -> str:
         """Why a controller says that it cannot steer this; "" if it does not.

@@ -236,7 +236,7 @@ def rollout(
         A recording cannot be written; what cannot be begun is said before the first interval.
     """
     _check_record(record, len(seeds))
-    env = {"ship": ship, "control": control, "surrogate": surrogate}
+    env: dict[str, Any] = {"ship": ship, "control": control, "surrogate": surrogate}
     env |= {"privileged": privileged, "overrides": overrides}
     check_controller(controller, type(controller).__name__)
     batch = begin(seeds, scenario, parallel=parallel, **env)

@@ -48,7 +48,7 @@ class Entry:
     controllers: tuple[str, ...] = ()
     ships: tuple[str, ...] = ()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.tier:
             check_known(f"tier of scenario {self.name}:", self.tier, TIERS)
 
@@ -85,7 +85,7 @@ class Suite:
     tasks: tuple[str, ...] = ()
     sha256: str = dataclasses.field(default="", init=False)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_known(f"kind of suite {self.name}:", self.kind, KINDS)
         episodes = self.kind == "episodes"
         needed = ("controllers", "scenario") if episodes else ("manoeuvre",)

@@ -131,8 +131,8 @@ def lost(unit: Unit, what: str) -> Sailed:
 
 def _begun(unit: Unit) -> tuple[dict[int, dict[str, Any]], float]:
     """What rows say whatever the controller does, by seed, and the ship's control interval [s]."""
-    for task in unit.tasks:
-        load_task(task)
+    for name in unit.tasks:
+        load_task(name)
     batch = begin(unit.seeds, **unit.env)
     task = batch.task
     found = {

@@ -109,6 +109,7 @@ def record_worst(
 def _worst(units: Sequence[Unit], sailed: Mapping[int, Sailed], folder: Path) -> list[Again]:
     """The episodes to sail again."""
     cells: dict[Key, list[tuple[Unit, dict[str, Any]]]] = {}
+    key: Key
     for number, unit in enumerate(units):
         key = unit.suite, unit.entry.name, str(unit.entry.control), unit.ship, unit.entrant.name
         cells.setdefault(key, []).extend((unit, row) for row in sailed[number].rows)

@@ -131,7 +131,8 @@ class LiveView:
         self._names = [k for k in row if not (k.startswith("wave_") and row[k] == 0.0)]
         self._hidden = [k for k in row if k not in self._names]
         self._rows = np.zeros((256, len(self._names)))
-        self._count, self._seen, self._half = 0, (), 0.0
+        self._count, self._half = 0, 0.0
+        self._seen: tuple[str, ...] = ()
         self._meta = {"task": self._title, "ship": _drawn(self._ship), "episode": self._episode}
         self._meta |= {**self._plots, **(sea or {})}
         if track is not None:

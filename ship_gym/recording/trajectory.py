@@ -8,6 +8,8 @@ import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 
@@ -46,7 +48,7 @@ class Trajectory:
     """
 
     columns: dict[str, np.ndarray]
-    meta: dict[str, object] = field(default_factory=dict)
+    meta: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         columns = {name: _column(name, values) for name, values in self.columns.items()}
@@ -187,7 +189,7 @@ def _check_extension(path: str | os.PathLike, allowed: str) -> None:
         raise ConfigError(f"path = {os.fspath(path)!r}: allowed is a {allowed} file")
 
 
-def import_rerun_export():
+def import_rerun_export() -> ModuleType:
     """Import the exporter late: rerun is optional, large, and not wanted by ``import ship_gym``."""
     try:
         from ship_gym.recording import rerun_export

@@ -8,7 +8,7 @@ import json
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ship_gym.config import ConfigError, build, check_known, check_number, merged, shown, told_of
 from ship_gym.reading import read_toml
@@ -74,7 +74,11 @@ class Scenario:
     # what defines an environment: two scenarios of the same values are equal.
     _source: ClassVar[tuple[str, Mapping[str, Any]] | None] = None
 
-    def __post_init__(self):
+    if TYPE_CHECKING:  # the sections that its task brings: `start`, `limits`, `reward`
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    def __post_init__(self) -> None:
         check_known("control", self.control, ACTIONS)
         check_number("speed", self.speed, 0.1, 2.0)
         check_number("astern", self.astern, 0.0, 1.0)
@@ -114,7 +118,7 @@ class Scenario:
         """The same of another duration [full-scale s]."""
         return _from(self._source, dataclasses.replace(self, duration=duration))
 
-    def __reduce__(self):
+    def __reduce__(self) -> Any:
         """Pickle by values: the class is made for the task."""
         return _again, (self._source, self.to_dict())
 
@@ -255,7 +259,8 @@ def _difference(values: Mapping[str, Any], base: Mapping[str, Any]) -> dict[str,
 def _read(scenario: str | Path | Mapping[str, Any], depth: int = 0) -> tuple[dict[str, Any], str]:
     """Values of a scenario on top of those of its base, and where they come from."""
     if isinstance(scenario, Mapping):
-        values, where = dict(scenario), "scenario"
+        values: dict[str, Any] = dict(scenario)
+        where = "scenario"
     elif not isinstance(scenario, str | os.PathLike):
         raise ConfigError(f"scenario = {shown(scenario)}: must be a name, a file or a mapping")
     elif str(scenario).endswith(".toml"):
@@ -269,8 +274,8 @@ def _read(scenario: str | Path | Mapping[str, Any], depth: int = 0) -> tuple[dic
         base = shown(values["base"])
         raise ConfigError(f"{where}: base = {base}: more than five deep, or a circle")
     with told_of(where):
-        base, _ = _read(values.pop("base"), depth + 1)
-    return merged(_without_other_task(base, values), values), where
+        below, _ = _read(values.pop("base"), depth + 1)
+    return merged(_without_other_task(below, values), values), where
 
 
 def stated(name: str) -> dict[str, Any]:
@@ -283,6 +288,8 @@ def stated(name: str) -> dict[str, Any]:
 
 def _without_other_task(values: Mapping[str, Any], changes: Mapping[str, Any]) -> Mapping[str, Any]:
     """Values of a base without what only its task knows, where `changes` are of another task."""
+    old: Any
+    new: Any
     old, new = values.get("task"), changes.get("task", values.get("task"))
     if old == new or old not in TASKS or new not in TASKS:
         return values
@@ -306,7 +313,7 @@ def _beside(path: Path, values: dict[str, Any]) -> dict[str, Any]:
     sections = [("sea", SeaRange)]
     sections += [pair for task in TASKS.values() for pair in task.sections.items()]
     for name, section in dict.fromkeys(sections):
-        given = values.get(name)
+        given: Any = values.get(name)
         for key in getattr(section, "PATHS", ()) if isinstance(given, Mapping) else ():
             if isinstance(given.get(key), str) and given[key]:
                 values[name] = {**values[name], key: str(path.parent / given[key])}

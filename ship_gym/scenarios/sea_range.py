@@ -144,7 +144,7 @@ class SeaRange:
     spectrum_directions: str = ""
     spectrum_north: bool = False
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         angle = (-_FULL_TURN_DEG, _FULL_TURN_DEG, "deg")
         ranges = {
             "current_speed": (0.0, 10.0, "m/s"),
@@ -175,7 +175,8 @@ class SeaRange:
                 f"sea.states = {list(self.states)} together with wave_height = {self.wave_height}, "
                 f"wind_speed = {self.wind_speed}: allowed is either the states or the numbers"
             )
-        given, of = {}, ""
+        given: set[str] = set()
+        of = ""
         if self.states:
             of = f"sea.states = {list(self.states)}: the states bring their own"
             given = {"peak_period", "wavelength", "spectrum_file"}

@@ -43,7 +43,7 @@ class Sensors:
     dropout_rate: float = 0.0
     dropout_time: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         ranges = {
             "heading_deg": (0.0, 45.0, "deg"),
             "yaw_rate_deg_s": (0.0, 10.0, "deg/s"),
@@ -106,7 +106,7 @@ class Randomisation:
     gear: float = 0.0
     sensors: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_fields("randomisation", self, {k: (0.0, most, "-") for k, most in LARGEST.items()})
 
 
@@ -134,7 +134,7 @@ class Failure:
     heading_bias_deg: float = 0.0
     dropout: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         ranges = {
             "time": (0.0, 1e6, "s"),
             "rudder_rate": (0.0, 1.0, "-"),

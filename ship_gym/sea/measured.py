@@ -64,7 +64,7 @@ class MeasuredSpectrum:
     shares: tuple[tuple[float, ...], ...] = ()
     spreading: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name in ("frequency", "direction"):
             object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
         object.__setattr__(self, "density", _without_traces(self.density))

@@ -15,6 +15,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+from typing import Any
 
 import numpy as np
 
@@ -52,7 +53,7 @@ class WaveSystem:
     direction: float = 0.0
     spreading: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_known("spectrum", self.spectrum, SPECTRA)
         check_number("waves.height", self.height, 0.0, 30.0, "m")
         check_number("waves.peak_period", self.peak_period, 0.1, 40.0, "s")
@@ -67,7 +68,7 @@ class WaveSystem:
         """Frequency of the peak [rad/s]."""
         return 2.0 * math.pi / self.peak_period
 
-    def density(self, omega) -> np.ndarray:
+    def density(self, omega: Any) -> np.ndarray:
         """S(omega) [m2 s] at omega [rad/s] > 0."""
         if self.spectrum == "jonswap":
             return jonswap(omega, self.height, self.peak_period, self.gamma)
@@ -90,12 +91,12 @@ def check_steepness(height: float, peak_period: float) -> None:
         )
 
 
-def sea_spectrum(omega, systems: tuple[WaveSystem, ...]) -> np.ndarray:
+def sea_spectrum(omega: Any, systems: tuple[WaveSystem, ...]) -> np.ndarray:
     """Sum of the spectra of all systems [m2 s]: one or more peaks."""
     return sum((s.density(omega) for s in systems), np.zeros(np.shape(omega)))
 
 
-def bretschneider(omega, height: float, peak_period: float) -> np.ndarray:
+def bretschneider(omega: Any, height: float, peak_period: float) -> np.ndarray:
     """Bretschneider (ITTC two-parameter) spectrum.
 
     Parameters
@@ -122,7 +123,7 @@ def bretschneider(omega, height: float, peak_period: float) -> np.ndarray:
     return 0.25 * height**2 * B * omega**-5.0 * np.exp(-B * omega**-4.0)
 
 
-def jonswap(omega, height: float, peak_period: float, gamma: float = 3.3) -> np.ndarray:
+def jonswap(omega: Any, height: float, peak_period: float, gamma: float = 3.3) -> np.ndarray:
     """JONSWAP spectrum of given height and peak, DNV-RP-C205 (2010) section 3.5.5.
 
     Parameters
@@ -197,7 +198,7 @@ def fully_developed(wind_speed: float) -> WaveSystem:
     return WaveSystem("bretschneider", height, period)
 
 
-def spreading(theta, s: float) -> np.ndarray:
+def spreading(theta: Any, s: float) -> np.ndarray:
     """cos^(2s) spreading function, one from -90 to 90 deg and zero elsewhere, of unit integral.
 
     Parameters

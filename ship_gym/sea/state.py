@@ -107,7 +107,7 @@ class Sea:
     gusts: bool = False
     spectrum: MeasuredSpectrum | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "waves", tuple(self.waves))  # a list has no hash
         check_number("sea.current_speed", self.current_speed, 0.0, 10.0, "m/s")
         check_angle("sea.current_direction_to", self.current_direction_to)

@@ -112,7 +112,7 @@ class WaveTable:
     uncertainty: np.ndarray
     card: dict[str, Any]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         shape = tuple(
             len(_check_axis(name, getattr(self, name), *limits))
             for name, limits in (

@@ -46,7 +46,7 @@ COMMON: dict[str, Metric] = {
 }
 
 # columns and meta that `common` reads
-COLUMNS = ("u", "v", "psi", "delta", "n", "torque", "reward")
+COLUMNS: tuple[str, ...] = ("u", "v", "psi", "delta", "n", "torque", "reward")
 COLUMNS += ("current_speed", "current_direction_to")
 META = ("ship", "config", "failed", "outcome")
 

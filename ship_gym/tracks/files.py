@@ -31,7 +31,7 @@ _WRITERS = {".rtz": write_rtz, ".gpx": write_gpx, ".geojson": write_geojson, ".j
 
 
 def load_track(
-    source: Track | Route | str | os.PathLike | Sequence | np.ndarray,
+    source: Track | Route | str | os.PathLike[str] | Sequence[Sequence[float]] | np.ndarray,
     geometry: str | None = None,
 ) -> Track:
     """Track from way-points, a route or a file.

@@ -79,7 +79,7 @@ def write_geojson(route: Route, path: Path) -> None:
     meta = route.to_meta()
     for point in meta["waypoints"]:
         del point["latitude"], point["longitude"]
-    properties = {"name": route.name, "units": "deg"}
+    properties: dict[str, Any] = {"name": route.name, "units": "deg"}
     properties |= {key: list(map(_said, meta[key])) for key in ("waypoints", "legs")}
     _write(np.stack([longitude, latitude], axis=-1), properties, path)
 

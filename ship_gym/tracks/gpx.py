@@ -8,7 +8,7 @@ without it is a rhumb line.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ship_gym.charts.geodesy import HIGHEST
 from ship_gym.config import ConfigError, check_known, shown, told_of
@@ -49,7 +49,8 @@ def read_gpx(path: Path, geometry: str | None = None, name: str | None = None) -
                 f"{NAMESPACES[1]} or {NAMESPACES[0]}"
             )
         line, kind = _line(root, name)
-        points, legs = [], []
+        points: list[Waypoint] = []
+        legs: list[Leg] = []
         for i, element in enumerate(_places(line, kind)):
             point, leg = _read_point(element, f"{kind}pt {i} (from 0)", geometry)
             if kind == "trk" and points and _same_place(point, points[-1]):
@@ -118,7 +119,7 @@ def _read_point(element: Element, where: str, geometry: str | None) -> tuple[Way
     extensions = child(element, "extensions")
     own = {parted(e.tag)[1]: e for e in ([] if extensions is None else extensions) if _is_own(e)}
     place, leg = own.get("waypoint"), own.get("leg")
-    said = {
+    said: dict[str, Any] = {
         field: number(leg, field, f"{where}: leg", 0.0, high, unit)
         for field, (high, unit) in _LIMITS.items()
     }

@@ -47,7 +47,7 @@ class Route:
     waypoints: tuple[Waypoint, ...]
     legs: tuple[Leg, ...] = ()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "name", checked_name(self.name))
         waypoints, legs = tuple(self.waypoints), tuple(self.legs)
         check_count(len(waypoints))
@@ -94,7 +94,8 @@ class Route:
                 f"{SHORTEST_LEG:g} m is needed; is it there twice?"
             )
         rooms, turns = self._rooms(lines)
-        given, places, owners = self._places(), [], []
+        given, places = self._places(), []
+        owners: list[int] = []
         for k in range(len(self.legs)):
             leg = self._cut(k, lines, rooms[k], lines.length[k] - rooms[k + 1])
             leg[[0, -1]] = np.where(  # an end that no arc cuts off is the way-point, bit by bit

@@ -52,7 +52,7 @@ class Track:
     limits: np.ndarray | None = None
     leg_of: np.ndarray | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         points = _array_of(self.points)
         points.setflags(write=False)
         object.__setattr__(self, "points", points)

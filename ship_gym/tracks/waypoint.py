@@ -45,7 +45,7 @@ class Waypoint:
     radius: float | None = None
     id: int | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "name", checked_name(self.name))
         top = geodesy.HIGHEST
         check_number("latitude", self.latitude, -top, top, "deg", tiny=True)
@@ -79,7 +79,7 @@ class Leg:
     speed_min: float | None = None
     speed_max: float | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_known("geometry", self.geometry, GEOMETRIES)
         for name in ("port", "starboard"):
             if (value := getattr(self, name)) is not None:

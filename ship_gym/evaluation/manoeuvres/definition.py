@@ -34,7 +34,7 @@ class Manoeuvre:
     heading_deg: float | None = None
     seas: tuple[str, ...] = (CALM,)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_known("kind of manoeuvre", self.kind, KINDS)
         ranges = {"rudder_deg": (0.1, 90.0, "deg"), "heading_deg": (0.1, 90.0, "deg")}
         check_fields(f"manoeuvre {self.kind}", self, ranges)

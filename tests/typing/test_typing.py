@@ -1,0 +1,109 @@
+"""What type checkers and editors see of the packages (py.typed)."""
+
+import ast
+import tomllib
+from pathlib import Path
+
+import pytest
+import ship_gym_agents
+
+import ship_gym
+
+ROOT = Path(__file__).parents[2]
+SCRIPT = Path(__file__).with_name("user_script.py")
+# Modules that are not clean inside. May only get smaller: put here what is left.
+NOT_YET = 199
+
+
+def shown_to_checkers(package) -> dict[str, str]:
+    """Public name -> module it is imported from, in the ``if TYPE_CHECKING`` of a package."""
+    tree = ast.parse(Path(package.__file__).read_text(encoding="utf-8"))
+    [block] = [
+        node
+        for node in tree.body
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+    ]
+    found = {}
+    for node in block.body:
+        if isinstance(node, ast.AnnAssign):
+            found[node.target.id] = "ship_gym.envs.classes"
+            continue
+        for alias in node.names:
+            assert alias.asname == alias.name, "`as` makes it public to a strict checker"
+            found[alias.name] = node.module
+    return found
+
+
+def test_checkers_see_what_loads():
+    assert shown_to_checkers(ship_gym) == ship_gym._PUBLIC
+
+
+def test_checkers_see_what_loads_of_the_agents():
+    module = "ship_gym_agents.controllers"
+    assert shown_to_checkers(ship_gym_agents) == dict.fromkeys(ship_gym_agents._PUBLIC, module)
+
+
+@pytest.mark.parametrize("package", [ship_gym, ship_gym_agents])
+def test_packages_say_that_they_are_typed(package):
+    assert Path(package.__file__).with_name("py.typed").exists()
+
+
+def not_yet_clean() -> list[str]:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    [found] = [
+        entry["module"]
+        for entry in settings["tool"]["mypy"]["overrides"]
+        if entry.get("ignore_errors")
+    ]
+    return found
+
+
+def test_list_of_unclean_modules_only_shrinks():
+    names = not_yet_clean()
+    assert names == sorted(set(names))
+    assert len(names) <= NOT_YET
+    assert not [name for name in names if "*" in name], "by name, so that new modules are checked"
+
+
+@pytest.mark.parametrize("name", not_yet_clean())
+def test_unclean_module_is_there(name):
+    folder = ROOT / ("agents" if name.startswith("ship_gym_agents") else ".")
+    path = folder.joinpath(*name.split("."))
+    assert path.with_suffix(".py").exists() or (path / "__init__.py").exists()
+
+
+def check_script(script: Path, folder: Path) -> tuple[str, int]:
+    """What ``mypy --strict`` of a user says of a script: of ours it sees what is installed."""
+    api = pytest.importorskip("mypy.api")
+    settings = folder / "mypy.ini"
+    settings.write_text(
+        "[mypy]\nstrict = True\n"
+        f"mypy_path = {ROOT}:{ROOT / 'agents'}\n"
+        f"cache_dir = {folder / 'cache'}\n"
+        "[mypy-ship_gym.*,ship_gym_agents.*]\nfollow_imports = silent\n"
+        "[mypy-torch.*,stable_baselines3.*,sb3_contrib.*,scipy.*,numba.*,matplotlib.*,ray.*]\n"
+        "follow_imports = skip\nignore_missing_imports = True\n"
+    )
+    out, errors, code = api.run(["--config-file", str(settings), str(script)])
+    return out + errors, code
+
+
+@pytest.mark.slow
+def test_script_of_a_user_passes_mypy_strict(tmp_path):
+    said, code = check_script(SCRIPT, tmp_path)
+    assert code == 0, said
+
+
+@pytest.mark.slow
+def test_wrong_use_is_told(tmp_path):
+    script = tmp_path / "wrong.py"
+    script.write_text(
+        "import ship_gym\n"
+        "ship_gym.load_ship(3.5)\n"
+        "ship_gym.load_sea('calm').no_such\n"
+        "ship_gym.ShipEnv(control=1)\n"
+    )
+    said, code = check_script(script, tmp_path)
+    assert code == 1
+    for line, kind in ((2, "arg-type"), (3, "attr-defined"), (4, "arg-type")):
+        assert f"wrong.py:{line}: error:" in said and f"[{kind}]" in said, said
