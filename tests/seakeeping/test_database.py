@@ -207,8 +207,6 @@ def test_bad_ships_are_refused_before_any_work(tmp_path):
     )
     with pytest.raises(ConfigError, match="a difference of 5 %"):
         build(heavy, MESH, tmp_path / "t.npz", TINY)
-    with pytest.raises(ConfigError, match="no section \\[form\\]"):
-        build(dataclasses.replace(SHIP, form=None), MESH, tmp_path / "t.npz", TINY)
     with pytest.raises(ConfigError, match="symmetric hull"):
         build(SHIP, MESH.both_sides(), tmp_path / "t.npz", TINY)
     with pytest.raises(ConfigError, match="increasing from 0"):
