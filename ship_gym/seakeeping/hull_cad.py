@@ -19,6 +19,7 @@ import numpy as np
 
 from ship_gym.config import ConfigError, cut
 from ship_gym.reading import read_bytes
+from ship_gym.seakeeping._capytaine import capytaine
 
 _SECONDS = 300.0  # for one file
 _MEMORY = 8 << 30  # [bytes] of the child
@@ -60,7 +61,7 @@ with os.fdopen(out, "wb") as file:
 def library(name: str, path: Path) -> ModuleType:
     """A library that reads hull files, or one line that names the extra with it."""
     try:
-        return importlib.import_module(name)
+        return capytaine() if name == "capytaine" else importlib.import_module(name)
     except ImportError as error:
         extra = _EXTRAS.get(name, "bem")
         raise ConfigError(

@@ -23,6 +23,7 @@ from functools import cached_property
 import numpy as np
 
 from ship_gym.config import ConfigError
+from ship_gym.seakeeping._capytaine import capytaine
 from ship_gym.seakeeping.hull_mesh import HullMesh
 
 EVEN_MODES = (0, 2, 4)  # surge, heave, pitch
@@ -290,6 +291,7 @@ def diffraction(
 
 def _green_function():
     """Liang, Wu & Noblesse (2018): no tabulation, agrees with Delhommeau's to 3 digits."""
+    capytaine()
     from capytaine.green_functions.hams import LiangWuNoblesseGF
 
     return LiangWuNoblesseGF()
@@ -297,8 +299,7 @@ def _green_function():
 
 def _capytaine(corners: np.ndarray, triangle: np.ndarray):
     """Capytaine mesh of corners (n, 4, 3), of which some (repeated, if longer) are triangles."""
-    from capytaine import Mesh
-
+    Mesh = capytaine().Mesh
     index = np.arange(4 * len(corners)).reshape(-1, 4)
     faces = [
         list(face[:3]) if three else list(face)

@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -127,3 +130,15 @@ def test_bad_hulls_are_refused():
         HalfHull(SPHERE.panels[:, :3])
     with pytest.raises(ConfigError, match="symmetric hull"):
         half_hull(hemisphere().both_sides(), lid(hemisphere()), 1.0)
+
+
+def test_capytaine_prints_nothing_where_results_are_printed():
+    """In a process of its own, whose root logger nobody has given a handler."""
+    code = (
+        "import logging; from ship_gym.seakeeping._capytaine import capytaine; capytaine()\n"
+        "import capytaine as c\n"
+        "assert logging.root.handlers == [] and logging.root.level == logging.WARNING\n"
+        "c.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0]], [[0, 1, 2, 3]])\n"
+    )
+    made = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert (made.stdout, made.stderr) == ("", "")
