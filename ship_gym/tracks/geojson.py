@@ -17,7 +17,7 @@ import numpy as np
 from ship_gym.charts import geodesy
 from ship_gym.config import ConfigError, build, check_known, check_number, shown, told_of
 from ship_gym.reading import read_json
-from ship_gym.tracks.geojson_lines import features_of, is_cut, member, positions_of
+from ship_gym.tracks.geojson_lines import features_of, is_cut, member, positions_of, the_line
 from ship_gym.tracks.route import Route
 from ship_gym.tracks.track import Track
 from ship_gym.tracks.waypoint import GEOMETRIES, Leg, Waypoint, check_count
@@ -39,8 +39,8 @@ def read_geojson(path: Path, geometry: str | None = None) -> Route | Track:
     ----------
     path : Path
         A FeatureCollection, a Feature or a geometry: one LineString, a MultiLineString whose lines
-        meet end to start, or Points in order. Features without a geometry are passed over, a third
-        coordinate (height) is ignored.
+        meet end to start (Points beside it are marks), or Points in order. Features without a
+        geometry are passed over, a third coordinate (height) is ignored.
     geometry : str, optional
         Of legs of which the file says nothing.
 
@@ -55,6 +55,7 @@ def read_geojson(path: Path, geometry: str | None = None) -> Route | Track:
             raise ConfigError('not GeoJSON: no object with a "type"')
         features = features_of(data)
         units = _units(data, features)
+        features = the_line(features)
         positions = positions_of(features, 0.0 if units == "m" else 360.0)
         check_count(len(positions))
         pairs = np.array([_pair(i, position) for i, position in enumerate(positions)])

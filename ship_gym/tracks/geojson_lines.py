@@ -34,6 +34,15 @@ def member(feature: dict[str, Any], name: str) -> dict[str, Any]:
     return found
 
 
+def the_line(features: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """What is sailed: of one line with points beside it, its marks, the line alone."""
+    kinds = [member(feature, "geometry").get("type") for feature in features]
+    lines = [k for k, kind in enumerate(kinds) if kind in ("LineString", "MultiLineString")]
+    if len(lines) == 1 and kinds.count("Point") == len(kinds) - 1:
+        return [features[lines[0]]]
+    return features
+
+
 def positions_of(features: list[dict[str, Any]], round_earth: float = 0.0) -> list[Any]:
     """Positions of the one line or of all points, in the order of the file.
 

@@ -139,6 +139,13 @@ def test_every_form_of_the_same_line(written, charts):
         np.testing.assert_allclose(load_track(written(form)).points, expected, atol=1e-6)
 
 
+def test_points_beside_a_line_are_its_marks(written, charts):
+    """As map editors export a route: the line and its way-points."""
+    plain = load_route(written(line(name="voyage")))
+    marked = collection(*(point(*place) for place in LINE), line(name="voyage"))
+    assert load_route(written(marked)) == plain
+
+
 def test_what_says_that_it_is_in_degrees(written, charts):
     """A null of GDAL says nothing; a crs in degrees, or a cut at the antimeridian, says it."""
     far = [[-5.1, 48.3], [-73.9, 40.5]]  # would be refused: it may be in metres
@@ -175,7 +182,7 @@ def test_metres_are_east_before_north(written):
         ({"type": "FeatureCollection"}, '"features"'),
         (collection(), "no geometry"),
         (collection(line(), line()), "2 lines; wanted is one"),
-        (collection(line(), point(1, 2)), "LineString, Point; wanted is one"),
+        (collection(line(), line(), point(1, 2)), "holds 2 lines; wanted is one"),
         (lines(), '"coordinates"'),
         (lines(LINE, 5), "line 1 of the MultiLineString: must be a list"),
         (lines(LINE, LINE), r"line 1 of the MultiLineString begins at \[10.0, 54.0\], line 0 ends"),
