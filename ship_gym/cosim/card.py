@@ -37,12 +37,6 @@ def opened(resources: Path, log: Callable[[str], None]) -> tuple[GuardedUnit, Ke
     return GuardedUnit(unit, log), card
 
 
-def name_slave(slave: Any, card: Keys) -> None:
-    """Give a slave of pythonfmu the names of its model."""
-    for name in ("guid", "modelName", "description", "version"):
-        setattr(slave, name, card.text(name))
-
-
 def state_from_bytes(stored: bytes) -> dict[str, Any]:
     """A state that pythonfmu made bytes of; an empty one, which no unit takes, if it is none."""
     try:

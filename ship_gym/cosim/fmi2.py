@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import functools
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
-from ship_gym.cosim.card import name_slave, opened, state_from_bytes
+from ship_gym.cosim.card import opened, state_from_bytes
 from ship_gym.cosim.description import complete_variable, unit_definitions
 from ship_gym.cosim.guarded import GuardedUnit
+from ship_gym.cosim.registration import Library, register
 from ship_gym.cosim.unit import ShipUnit
-from ship_gym.cosim.variables import OUTPUT, PARAMETER
+from ship_gym.cosim.variables import OUTPUT
 
 __all__ = ["completed", "open_unit", "state_from_bytes"]
 
@@ -34,22 +34,18 @@ def open_unit(slave: Any, resources: Path) -> GuardedUnit:
     from pythonfmu import variables as kinds
     from pythonfmu.enums import Fmi2Causality, Fmi2Initial, Fmi2Status, Fmi2Variability
 
-    name_slave(slave, card)
-    slave.default_experiment = DefaultExperiment(start_time=0.0, step_size=card.number("step"))
-    initials = {OUTPUT: Fmi2Initial.calculated, PARAMETER: Fmi2Initial.exact}
-    for variable in guarded.unit.variables.values():
-        fixed = variable.causality == PARAMETER
-        slave.register_variable(
-            getattr(kinds, variable.kind)(
-                variable.name,
-                causality=Fmi2Causality[variable.causality],
-                description=variable.meaning,
-                initial=initials.get(variable.causality),
-                variability=Fmi2Variability.fixed if fixed else Fmi2Variability.continuous,
-                getter=functools.partial(guarded.get, variable),
-                setter=functools.partial(guarded.set, variable),
-            )
-        )
+    register(
+        slave,
+        guarded,
+        card,
+        Library(
+            DefaultExperiment,
+            lambda kind: getattr(kinds, kind),
+            Fmi2Causality,
+            Fmi2Initial,
+            Fmi2Variability,
+        ),
+    )
     return guarded
 
 

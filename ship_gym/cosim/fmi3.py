@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import functools
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element
 
-from ship_gym.cosim.card import name_slave, opened, state_from_bytes
+from ship_gym.cosim.card import opened, state_from_bytes
 from ship_gym.cosim.description import complete_variable, unit_definitions
 from ship_gym.cosim.guarded import GuardedUnit
+from ship_gym.cosim.registration import Library, register
 from ship_gym.cosim.unit import ShipUnit
-from ship_gym.cosim.variables import OUTPUT, PARAMETER, REAL, WHOLE
+from ship_gym.cosim.variables import REAL, WHOLE
 
 __all__ = ["completed", "open_unit", "state_from_bytes", "step_result"]
 
@@ -37,22 +37,18 @@ def open_unit(slave: Any, resources: Path) -> GuardedUnit:
     from pythonfmu3 import variables as kinds
     from pythonfmu3.enums import Fmi3Causality, Fmi3Initial, Fmi3Status, Fmi3Variability
 
-    name_slave(slave, card)
-    slave.default_experiment = DefaultExperiment(start_time=0.0, step_size=card.number("step"))
-    initials = {OUTPUT: Fmi3Initial.calculated, PARAMETER: Fmi3Initial.exact}
-    for variable in guarded.unit.variables.values():
-        fixed = variable.causality == PARAMETER
-        slave.register_variable(
-            getattr(kinds, _KINDS.get(variable.kind, variable.kind))(
-                variable.name,
-                causality=Fmi3Causality[variable.causality],
-                description=variable.meaning,
-                initial=initials.get(variable.causality),
-                variability=Fmi3Variability.fixed if fixed else Fmi3Variability.continuous,
-                getter=functools.partial(guarded.get, variable),
-                setter=functools.partial(guarded.set, variable),
-            )
-        )
+    register(
+        slave,
+        guarded,
+        card,
+        Library(
+            DefaultExperiment,
+            lambda kind: getattr(kinds, _KINDS.get(kind, kind)),
+            Fmi3Causality,
+            Fmi3Initial,
+            Fmi3Variability,
+        ),
+    )
     slave.register_variable(
         kinds.Float64(
             _TIME,
