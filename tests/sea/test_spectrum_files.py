@@ -111,33 +111,36 @@ def test_swan_in_radians_and_wavespectra_per_degree(tmp_path):
     check(read_spectrum(other))
 
 
-def test_era5_numbers_its_bins_and_keeps_logarithms(tmp_path):
+def era5():
+    """Logarithms of density (30, 24) as ERA5 keeps it, its sum over directions, frequencies."""
     f = 0.03453 * 1.1 ** np.arange(30)
     density = np.stack([np.interp(f, F, column, 0.0, 0.0) for column in over(TO).T], axis=1)
     with np.errstate(divide="ignore"):
         logs = np.where(density > 0.0, np.log10(density), np.nan)
+    return logs, density.sum(axis=1) * np.radians(15.0), f
+
+
+def test_era5_numbers_its_bins_and_keeps_logarithms(tmp_path):
+    logs, variances, f = era5()
     path = saved(
         tmp_path,
         {"d2fd": (("time", "latitude", "longitude", "direction", "frequency"),
                   logs.T[None, None, None], {"units": "m**2 s radian**-1"})},
         {"direction": np.arange(1, 25), "frequency": np.arange(1, 31), "time": TIMES[:1]},
     )  # fmt: skip
-    check(read_spectrum(path), np.trapezoid(density.sum(axis=1) * np.radians(15.0), f))
+    check(read_spectrum(path), np.trapezoid(variances, f))
 
 
 def test_era5_as_the_data_store_names_its_dimensions_now(tmp_path):
     """wavespectra's reader of ERA5 knows both pairs of names."""
-    f = 0.03453 * 1.1 ** np.arange(30)
-    density = np.stack([np.interp(f, F, column, 0.0, 0.0) for column in over(TO).T], axis=1)
-    with np.errstate(divide="ignore"):
-        logs = np.where(density > 0.0, np.log10(density), np.nan)
+    logs, variances, f = era5()
     path = saved(
         tmp_path,
         {"d2fd": (("valid_time", "directionNumber", "frequencyNumber"), logs.T[None])},
         {"directionNumber": np.arange(1.0, 25.0), "frequencyNumber": np.arange(1.0, 31.0),
          "valid_time": TIMES[:1]},
     )  # fmt: skip
-    check(read_spectrum(path), np.trapezoid(density.sum(axis=1) * np.radians(15.0), f))
+    check(read_spectrum(path), np.trapezoid(variances, f))
 
 
 R_1 = 0.8
