@@ -61,7 +61,7 @@ def measure(trajectory: Trajectory) -> dict[str, float]:
     start = abs(trajectory["cross_track_error"][0]) / L  # on the first leg that is both
     at_end = meta["outcome"] in AT_THE_END
     left = 0.0 if at_end or meta["failed"] else share_left(voyage[0], *(z[-1] for z in voyage[1:]))
-    within = np.abs(off) <= _corridor(trajectory, voyage)
+    within = np.abs(off) <= _corridor(trajectory, voyage, off)
     judged = rms(to_the_end(trajectory, off, limit))
     return {
         "rms_route": math.hypot(math.sqrt(1.0 - left) * judged, math.sqrt(left) * limit),
@@ -97,13 +97,15 @@ def _kept(within: np.ndarray) -> float:
     return float(within[first:].mean()) if within[first] else 0.0
 
 
-def _corridor(trajectory: Trajectory, voyage: tuple[np.ndarray, ...]) -> float | np.ndarray:
+def _corridor(
+    trajectory: Trajectory, voyage: tuple[np.ndarray, ...], off: np.ndarray
+) -> float | np.ndarray:
     """Corridor [L] at the end of each interval: of the nearest leg, on the side of the ship."""
     meta = trajectory.meta
     if "leg_limits" not in meta:
         return meta["config"]["limits"]["corridor"]
     beside = np.array(meta["leg_limits"])[nearest_leg(*voyage).astype(int)]
-    side = (off_route(*voyage) > 0.0).astype(int)  # port, starboard
+    side = (off > 0.0).astype(int)  # port, starboard
     return beside[np.arange(len(side)), side] / meta["ship"]["L"]
 
 
