@@ -78,7 +78,8 @@ def read_record(path: str | Path, ship: Ship) -> Record:
     k = max(int(_STEP * ship.hull.L / motion[0] / np.median(np.diff(c["t"]))), 1)
     for name in ("delta", "n"):
         c[name] = _means(c["t"], c[name], k)
-    return Record(str(path), *(c[name][::k] for name in COLUMNS[:4]), c["delta"], c["n"], motion)
+    t, x, y, psi = (c[name][::k] for name in COLUMNS[:4])
+    return Record(str(path), t, x, y, psi, c["delta"], c["n"], motion)
 
 
 def _means(t: np.ndarray, values: np.ndarray, k: int) -> np.ndarray:
@@ -102,7 +103,9 @@ def _marin(path: str | Path) -> tuple[float, dict[str, np.ndarray]]:
     return _MARIN_LENGTH, columns | {"delta": -columns["delta"]}
 
 
-def _motion(path: str | Path, c: Mapping[str, np.ndarray], ship: Ship) -> tuple[float, ...]:
+def _motion(
+    path: str | Path, c: Mapping[str, np.ndarray], ship: Ship
+) -> tuple[float, float, float]:
     """u, v, r at the start: slopes over the first `_START` of a ship length."""
     first = c["t"] <= max(_START * ship.hull.L / ship.speed, float(c["t"][3]))
     dx, dy, r = (float(np.polyfit(c["t"][first], c[k][first], 1)[0]) for k in ("x", "y", "psi"))

@@ -65,6 +65,7 @@ class Made:
                 continue
             value = getattr(getattr(old, section), key)
             over, under = (basis(s, allowed.by, s.file_speed) for s in (self.ship, old))
+            assert over is not None and under is not None  # both ships have what is needed
             if value not in (0.0, math.inf) and math.inf not in (over, under):
                 value *= over / under
             by = f", by {allowed.by}" if allowed.by else ""
@@ -182,6 +183,7 @@ def _others(m: Made) -> None:
     if m.ship.form is None:
         return
     old, C_b = m.parent, m.p["C_b"]
+    assert old.form is not None  # as hers is the one the ship began with
     C_wp = min(0.98, old.form.C_wp * C_b / m.parent_C_b)
     m.by_dimension("form", "x_B", "C_wp")
     m.set("form", {

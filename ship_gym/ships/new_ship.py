@@ -36,8 +36,10 @@ PARTICULARS: dict[str, tuple[float, float, str]] = {
 }
 _WHOLE = ("z", "propellers")
 _NEEDED = ("L", "B", "d", "speed")
-_GEOMETRY = ("hull.L", "hull.B", "hull.d", "hull.volume", "hull.x_G", "propeller.D", "rudder.A_R")
-_GEOMETRY += ("engine.n_max",)  # have an option of their own
+_GEOMETRY = (  # have an option of their own
+    *("hull.L", "hull.B", "hull.d", "hull.volume", "hull.x_G"),
+    *("propeller.D", "rudder.A_R", "engine.n_max"),
+)
 
 
 def check_particulars(

@@ -134,7 +134,8 @@ def _train(X, Y, shares, order, seed, iterations, learning_rate, standardise) ->
     hidden = layers[0].numpy() / scale[:, None]
     hidden[:, 0] -= shift @ hidden
     weights = {"features": order, "hidden": hidden.tolist(), "output": layers[1].tolist()}
-    return Training(weights, *squares.numpy(), stopped_at.numpy())
+    training, validation = squares.numpy()
+    return Training(weights, training, validation, stopped_at.numpy())
 
 
 def _start(members: int, inputs: int, outputs: int, seed: int) -> list:
