@@ -61,9 +61,8 @@ def complete_ship(data: Mapping[str, Any], path: Path, label: str = "") -> Ship:
     """
     reader = Reader(path, label)
     reader.known(data, _TOP)
-    for key in _NEEDED:
-        if key not in data:
-            reader.add(f"missing key {key!r}")
+    if missing := [repr(key) for key in _NEEDED if key not in data]:
+        reader.add(f"missing key{'s' if len(missing) > 1 else ''} {', '.join(missing)}")
     texts = {key: reader.text(key, data[key]) for key in _TEXTS if key in data}
     reader.source = texts.get("source", "")
     parts = {
@@ -87,7 +86,7 @@ def complete_ship(data: Mapping[str, Any], path: Path, label: str = "") -> Ship:
         sources=reader.sources,
         estimated=reader.estimated,
         strict=strict is not False,
-        **{key: reader.number(key, _UNITS[key], data.get(key)) for key in _UNITS},
+        **{k: reader.number(k, unit, data[k]) if k in data else None for k, unit in _UNITS.items()},
         **sections,
     )
     return _judged(ship, reader)
