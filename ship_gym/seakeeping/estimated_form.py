@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,10 +17,13 @@ from ship_gym.config import ConfigError
 from ship_gym.seakeeping.hull_form import centres_of_waterplane, parametric_mesh
 from ship_gym.seakeeping.hull_mesh import HullMesh
 from ship_gym.seakeeping.hydrostatics import hydrostatics
-from ship_gym.ships.particulars import Ship
+from ship_gym.ships.particulars import HullForm, Ship
 
 _STEP, _FULLEST = 0.01, 0.98  # of C_wp
 _KEELS = (-0.3, -0.4, -0.45)  # x_keel by L, tried one after the other
+_HIGHEST = (
+    2.0  # KG by d, unless it is more by dimension; the ships of the package have 0.89 to 1.67
+)
 _INSIDE = 0.1  # of the width of the range of x_F, from its ends: there a waterline is a spike
 
 
@@ -27,7 +32,7 @@ def with_estimated_form(ship: Ship) -> tuple[Ship, str]:
 
     The centre of the waterplane moves to the nearest that is possible, a waterplane that is too
     small for the sectional areas grows, the keel rises nearer to the stern, and KG becomes what
-    leaves the estimated GM with the drawn hull (or GM what the given KG leaves).
+    leaves the estimated GM with the drawn hull (GM what a given KG leaves, or one that is high).
 
     Parameters
     ----------
@@ -48,61 +53,75 @@ def with_estimated_form(ship: Ship) -> tuple[Ship, str]:
     """
     if ship.form is None:
         return ship, "the ship that she is like has none"
-    drawn, why = _drawn(ship)
+    drawn, why = _drawn(_Trial(ship, ship.form))
     if drawn is None:
         estimated = {k: v for k, v in ship.estimated.items() if not k.startswith("form.")}
         return dataclasses.replace(ship, form=None, estimated=estimated), why
-    return _stable(*drawn), ""
+    return _stable(*drawn).ship, ""
 
 
-def _drawn(ship: Ship) -> tuple[tuple[Ship, HullMesh] | None, str]:
+class _Trial(NamedTuple):
+    """A ship and her form."""
+
+    ship: Ship
+    form: HullForm
+
+    def free(self, key: str) -> bool:
+        """Whether a number of the form is estimated."""
+        return f"form.{key}" in self.ship.estimated
+
+    def set(self, key: str, value: float, why: str) -> _Trial:
+        """With another number in the form; why is added to the reason of the estimate."""
+        if value == getattr(self.form, key):
+            return self
+        where = f"form.{key}"
+        estimated = self.ship.estimated | {where: f"{self.ship.estimated[where]}; {why}"}
+        form = dataclasses.replace(self.form, **{key: value})
+        return _Trial(dataclasses.replace(self.ship, form=form, estimated=estimated), form)
+
+
+def _drawn(given: _Trial) -> tuple[tuple[_Trial, HullMesh] | None, str]:
     """The ship and her hull; or why there is none, with the form as it is."""
-    first, form = "", ship.form
+    first, form, L = "", given.form, given.ship.hull.L
     areas, keels = [form.C_wp], [form.x_keel]
-    if "form.C_wp" in ship.estimated:
+    if given.free("C_wp"):
         areas += np.arange(form.C_wp + _STEP, _FULLEST, _STEP).tolist()
-    if "form.x_keel" in ship.estimated:
-        keels += [at * ship.hull.L for at in _KEELS if at * ship.hull.L < form.x_keel]
+    if given.free("x_keel"):
+        keels += [at * L for at in _KEELS if at * L < form.x_keel]
     for x_keel, C_wp in itertools.product(keels, areas):
-        trial = _set(ship, "x_keel", x_keel, f"{x_keel:.3g} m, else no hull can be drawn")
-        trial = _set(trial, "C_wp", C_wp, f"{C_wp:.3f}, the least that can be drawn")
-        trial = _centred(trial)
+        trial = given.set("x_keel", x_keel, f"{x_keel:.3g} m, else no hull can be drawn")
+        trial = _centred(trial.set("C_wp", C_wp, f"{C_wp:.3f}, the least that can be drawn"))
         try:
-            return (trial, parametric_mesh(trial)), ""
+            return (trial, parametric_mesh(trial.ship)), ""
         except ConfigError as error:
-            first = first or str(error).splitlines()[0].removeprefix(f"{ship.name}: ")
+            first = first or str(error).splitlines()[0].removeprefix(f"{given.ship.name}: ")
     return None, first
 
 
-def _set(ship: Ship, key: str, value: float, why: str) -> Ship:
-    """The ship with another number in her form; why is added to the reason of the estimate."""
-    if value == getattr(ship.form, key):
-        return ship
-    where = f"form.{key}"
-    estimated = ship.estimated | {where: f"{ship.estimated[where]}; {why}"}
-    form = dataclasses.replace(ship.form, **{key: value})
-    return dataclasses.replace(ship, form=form, estimated=estimated)
-
-
-def _centred(ship: Ship) -> Ship:
-    """The ship with an estimated x_F moved to where a waterline is possible."""
-    found = centres_of_waterplane(ship)
-    if found is None or "form.x_F" not in ship.estimated:
-        return ship
+def _centred(trial: _Trial) -> _Trial:
+    """An estimated x_F moved to where a waterline is possible."""
+    found = centres_of_waterplane(trial.ship)
+    if found is None or not trial.free("x_F"):
+        return trial
     margin = _INSIDE * (found[1] - found[0])
-    x_F = float(np.clip(ship.form.x_F, found[0] + margin, found[1] - margin))
-    return _set(ship, "x_F", x_F, "moved to the nearest that can be drawn")
+    x_F = float(np.clip(trial.form.x_F, found[0] + margin, found[1] - margin))
+    return trial.set("x_F", x_F, "moved to the nearest that can be drawn")
 
 
-def _stable(ship: Ship, mesh: HullMesh) -> Ship:
-    """The ship with KG + GM = KM of the hull that is drawn, as far as the two are estimated."""
-    form, KM = ship.form, hydrostatics(mesh).KM
-    if "form.KG" in ship.estimated:
-        return _set(ship, "KG", KM - form.GM, f"so that GM is {form.GM:.3g} m of the drawn hull")
-    if "form.GM" not in ship.estimated:
-        return ship
-    if KM <= form.KG:
+def _stable(trial: _Trial, mesh: HullMesh) -> _Trial:
+    """KG + GM = KM of the hull that is drawn, as far as the two are estimated."""
+    form, KM = trial.form, hydrostatics(mesh).KM
+    KG = KM - form.GM
+    if trial.free("KG") and trial.free("GM"):
+        KG = min(KG, max(form.KG, _HIGHEST * trial.ship.hull.d))
+    elif trial.free("GM"):
+        KG = form.KG
+    if trial.free("KG"):
+        trial = trial.set("KG", KG, f"fitted to KM {KM:.3g} m of the drawn hull")
+    if KG >= KM:
         raise ConfigError(
-            f"form.KG = {form.KG:g} m: allowed is below {KM:.4g} m, the metacentre of her hull"
+            f"form.KG = {KG:g} m: allowed is below {KM:.4g} m, the metacentre of her hull"
         )
-    return _set(ship, "GM", KM - form.KG, f"KM of the drawn hull, {KM:.3g} m, less KG")
+    if trial.free("GM") and not math.isclose(KM - KG, form.GM):
+        trial = trial.set("GM", KM - KG, f"KM {KM:.3g} m of the drawn hull less KG")
+    return trial
