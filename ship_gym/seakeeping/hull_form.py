@@ -22,7 +22,7 @@ from scipy.special import gammaln
 
 from ship_gym.config import ConfigError
 from ship_gym.seakeeping.bulb import Bulb, ship_bulb
-from ship_gym.seakeeping.form_curves import Curve, CurveEnd, fitted_curve
+from ship_gym.seakeeping.form_curves import Curve, CurveEnd, centre_range, fitted_curve
 from ship_gym.seakeeping.hull_mesh import HullMesh, divided, mesh_from_sections
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship
@@ -86,9 +86,19 @@ def breadth_curve(ship: Ship) -> Curve:
         None exists with the ship's C_wp and x_F: says the range.
     """
     form, L = _form(ship), ship.hull.L
-    ends = CurveEnd(form.b_transom, form.q_wl_aft), CurveEnd(0.0, form.q_wl_fore)
     names = "C_wp", "x_F / L"
-    return fitted_curve(form.C_wp, form.x_F / L, *ends, form.parallel / L, names)
+    return fitted_curve(form.C_wp, form.x_F / L, *_wl_ends(form), form.parallel / L, names)
+
+
+def centres_of_waterplane(ship: Ship) -> tuple[float, float] | None:
+    """Smallest and largest x_F [m] of waterlines with the ship's C_wp; None: there are none."""
+    form, L = _form(ship), ship.hull.L
+    found = centre_range(form.C_wp, *_wl_ends(form), form.parallel / L)
+    return None if found is None else (found[0] * L, found[1] * L)
+
+
+def _wl_ends(form: HullForm) -> tuple[CurveEnd, CurveEnd]:
+    return CurveEnd(form.b_transom, form.q_wl_aft), CurveEnd(0.0, form.q_wl_fore)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -53,7 +53,7 @@ BASES: dict[str, _Basis] = {
     "d": ("m", lambda s, U: s.hull.d),
     "L_oa": ("m", lambda s, U: s.wind.L_oa),
     "L d": ("m2", lambda s, U: s.hull.L * s.hull.d),
-    "L (B + 2 d)": ("m2", lambda s, U: s.hull.L * (s.hull.B + 2.0 * s.hull.d)),
+    "L (1.7 d + C_b B)": ("m2", lambda s, U: 1.7 * s.hull.L * s.hull.d + s.hull.volume / s.hull.d),
     "L^2": ("m2", lambda s, U: s.hull.L**2),
     "B^2": ("m2", lambda s, U: s.hull.B**2),
     "A_L": ("m2", lambda s, U: s.wind.A_L),
@@ -75,7 +75,7 @@ BASES: dict[str, _Basis] = {
 
 _KEYS = {"L": "hull.L", "B": "hull.B", "d": "hull.d", "U": "speed", "rho": "rho"}
 _KEYS |= {"D": "propeller.D", "n_max": "engine.n_max", "torque_max": "engine.torque_max"}
-_KEYS |= {"L_oa": "wind.L_oa", "A_L": "wind.A_L"}
+_KEYS |= {"L_oa": "wind.L_oa", "A_L": "wind.A_L", "C_b": "hull.volume"}
 # basis -> keys of the numbers that it is made of
 _PARTS = {
     name: [_KEYS[word] for word in re.findall(r"\w+", name) if word in _KEYS] for name in BASES
@@ -121,6 +121,12 @@ def _open_water(ship: Ship) -> dict[str, float]:
     found["K_T at J_high"] = K_T[1]
     if low != high:
         found["mean slope of K_T"] = (K_T[1] - K_T[0]) / (high - low)
+    J = np.linspace(max(low, 0.0), high, 50) if low < high and high > 0.0 else np.empty(0)
+    K_T, K_Q = np.polyval(card["K_T"], J), np.polyval(card["K_Q"], J)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        useful = np.where(K_Q > 0.0, J * K_T / (2.0 * math.pi * K_Q), math.inf)[K_T > 0.0]
+    if useful.size:
+        found["largest efficiency"] = useful.max()
     return {name: float(value) for name, value in found.items()}
 
 
@@ -158,6 +164,8 @@ def _look(
         if allowed.must not in (POSITIVE, NOT_NEGATIVE):
             return False
         allowed, usual, unit = Range(*allowed.must, must=allowed.must), allowed.must, 1.0
+    if doubtful and ship.strict and allowed.must == usual:
+        return False
     ratio = value / unit
     endless = math.isinf(value) and math.isfinite(allowed.high)
     if endless or not allowed.must[0] <= ratio <= allowed.must[1]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Collection, Mapping
+import textwrap
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +16,25 @@ _TEXTS = ("source", "variant", "type")
 _NUMBER_KEYS = ("value", "unit", "source", "estimated")
 
 
-def _hint(section: str, name: str, estimated: bool) -> str:
-    """What may help where a number is missing."""
-    if section != "hull":
-        return ""
-    if estimated:
-        return "; hull.estimate = true fills up added masses, derivatives, S, k_zz and C_D only"
-    return "; hull.estimate = true fills it up" if name in FILLED else ""
+_LINE = 120  # characters of missing keys in one line
+
+
+def _missing(section: str, names: Sequence[str], estimated: bool) -> Iterator[str]:
+    """What is missing of a section in few lines, and what may help."""
+    filled = [name for name in names if name in FILLED]
+    hint = ""
+    if section == "hull" and estimated:
+        hint = "; hull.estimate = true fills up added masses, derivatives, S, k_zz and C_D only"
+    elif section == "hull" and filled:
+        many = "all of them" if len(filled) == len(names) else ", ".join(filled)
+        what = "it" if len(names) == 1 else many if len(many) <= _LINE else f"{len(filled)} of them"
+        hint = f"; hull.estimate = true fills {what} up"
+    if len(names) == 1:
+        yield f"missing key {section}.{names[0]!r}{hint}"
+        return
+    *lines, last = textwrap.wrap(", ".join(names), _LINE)
+    for line in (*lines, last + hint):
+        yield f"missing keys of [{section}]: {line.rstrip(',')}"
 
 
 class Reader:
@@ -96,13 +109,12 @@ class Reader:
     ) -> Any:
         """A dataclass of particulars; needed are the fields without a default but `spared`."""
         made = self._numbers(name, cls, values)
-        for field in dataclasses.fields(cls):
-            if field.name not in made and field.default is dataclasses.MISSING:
-                if field.name not in spared:
-                    hint = _hint(name, field.name, bool(spared))
-                    self.add(f"missing key {name}.{field.name!r}{hint}")
-                made[field.name] = None
-        return cls(**made)
+        needed = [f.name for f in dataclasses.fields(cls) if f.default is dataclasses.MISSING]
+        missing = [key for key in needed if key not in made]
+        if told := [key for key in missing if key not in spared]:
+            for line in _missing(name, told, bool(spared)):
+                self.add(line)
+        return cls(**made, **dict.fromkeys(missing))
 
     def replaced(self, name: str, section: Any, values: Mapping[str, Any]) -> Any:
         """An existing section with some numbers replaced."""

@@ -61,9 +61,8 @@ def complete_ship(data: Mapping[str, Any], path: Path, label: str = "") -> Ship:
     """
     reader = Reader(path, label)
     reader.known(data, _TOP)
-    for key in _NEEDED:
-        if key not in data:
-            reader.add(f"missing key {key!r}")
+    if missing := [repr(key) for key in _NEEDED if key not in data]:
+        reader.add(f"missing key{'s' if len(missing) > 1 else ''} {', '.join(missing)}")
     # what cannot be read is None in the ship, until `_judged` refuses her
     texts: dict[str, Any] = dict.fromkeys(_TEXTS)
     texts |= {key: reader.text(key, data[key]) for key in _TEXTS if key in data}
