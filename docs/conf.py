@@ -24,6 +24,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx.ext.linkcode",
     "sphinx_copybutton",
+    "website.command_line",
     "website.mathml",
     "website.sources",
 ]
@@ -53,6 +54,7 @@ napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_use_param = True
 napoleon_use_ivar = True  # attributes in a list, as they stand in the docstring
+smartquotes_action = "qe"  # quotes and ellipses; two dashes are of an option
 default_role = "literal"  # `name` in our docstrings is code
 
 pygments_style = "default"
