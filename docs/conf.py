@@ -26,6 +26,7 @@ extensions = [
     "sphinx_copybutton",
     "website.command_line",
     "website.mathml",
+    "website.members",
     "website.sources",
 ]
 
@@ -54,7 +55,6 @@ napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_use_param = True
 napoleon_use_ivar = True  # attributes in a list, as they stand in the docstring
-smartquotes_action = "qe"  # quotes and ellipses; two dashes are of an option
 default_role = "literal"  # `name` in our docstrings is code
 
 pygments_style = "default"

@@ -162,6 +162,29 @@ def plain(text):
     return re.sub(r"\s", "", text)
 
 
+def test_attributes_described_together_are_told_one_by_one():
+    pytest.importorskip("sphinx")
+    from website.members import divided
+
+    docstring = ["Of a turn.", "", "Parameters", "----------", "a, b : int", "Attributes"]
+    docstring += ["----------", "advance, transfer : float", "    At 90 deg.", "", "n : int"]
+    assert divided(docstring) == [
+        *docstring[:7],
+        *("advance : float", "    At 90 deg.", ""),
+        *("transfer : float", "    At 90 deg.", ""),
+        "n : int",
+    ]
+
+
+@pytest.mark.slow
+def test_the_reference_reads_docstrings_as_they_are_meant(built):
+    turn = words(article(built, "docs/api/manoeuvres"))
+    assert "advance (float)" in turn and "transfer (advance,)" not in turn
+    said = " ".join(words(article(built, "docs/api/ships")).split())
+    assert ship_gym.Ship.time_unit.__doc__.splitlines()[0].replace("'", "\u2019") in said
+    assert "Alias for field" not in words(article(built, "docs/api/tasks"))
+
+
 @pytest.mark.slow
 def test_the_search_knows_options(built):
     found = (built / "searchindex.js").read_text("utf-8")
