@@ -19,9 +19,11 @@ from ship_gym.config import UNITS, ConfigError, check_number
 from ship_gym.csv_file import read_csv
 from ship_gym.plain_csv import read_plain_csv
 from ship_gym.reading import read_text
+from ship_gym.reports.captive_file import own_length
 from ship_gym.ships.particulars import Ship
 
-COLUMNS = ("t", "x", "y", "psi", "delta", "n")
+_SI = {"t": "s", "x": "m", "y": "m", "psi": "rad", "delta": "rad", "n": "rev/s"}
+COLUMNS = tuple(_SI)
 _MARIN = {"t": "s", "x": "m", "y": "m", "psi": "deg", "delta": "deg", "n": "rpm"}
 _MARIN_LENGTH = 320.0  # [m]; their rudder angle is positive to port
 _STEP = 0.025  # [L / U0] between rows that are sailed
@@ -90,9 +92,7 @@ def _means(t: np.ndarray, values: np.ndarray, k: int) -> np.ndarray:
 
 def _own(path: str | Path, ship: Ship) -> tuple[float, dict[str, np.ndarray]]:
     data = read_csv(path).require(*COLUMNS)
-    length = data.number("length") if "length" in data.header else ship.hull.L
-    length = check_number(f"{path}: length", length, 0.1, 1000.0, "m")
-    return length, {name: data.si(name) for name in COLUMNS}
+    return own_length(data, ship), {name: data.si(name, unit) for name, unit in _SI.items()}
 
 
 def _marin(path: str | Path) -> tuple[float, dict[str, np.ndarray]]:
