@@ -88,8 +88,8 @@ def read_record(path: str | Path, ship: Ship) -> Record:
     k = max(int(_STEP * time / np.median(np.diff(c["t"]))), 1)
     for name in ("delta", "n"):
         c[name] = _means(c["t"], c[name], k)
-    track = (c[name][::k] for name in COLUMNS[:4])
-    return Record(str(path), *track, c["delta"], c["n"], time, start, covariance)
+    t, x, y, psi = (c[name][::k] for name in COLUMNS[:4])
+    return Record(str(path), t, x, y, psi, c["delta"], c["n"], time, start, covariance)
 
 
 def _means(t: np.ndarray, values: np.ndarray, k: int) -> np.ndarray:
