@@ -135,7 +135,7 @@ def test_momentum_theory_has_the_root():
     assert race_speed_squared(1.0, -1e9, D, RHO) == 0.0
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     st.sampled_from(available_ships()),
     st.floats(-15.0, 15.0),
