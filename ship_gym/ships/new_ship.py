@@ -53,8 +53,8 @@ WATER = {"rho": "kg/m3", "nu": "m2/s"}  # also fixed by name; above zero, or not
 _WITH_UNIT = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([A-Za-z][\w/ ]*)?")
 _WHOLE = ("z", "propellers")
 _NEEDED = ("L", "B", "d", "speed")
-_GEOMETRY = ("hull.L", "hull.B", "hull.d", "hull.volume", "hull.x_G", "propeller.D", "rudder.A_R")
-_GEOMETRY += ("engine.n_max",)  # have an option of their own
+_GEOMETRY = {f"hull.{key}": key for key in ("L", "B", "d", "volume", "x_G")}
+_GEOMETRY |= {"propeller.D": "D_P", "rudder.A_R": "A_R", "engine.n_max": "n_max"}  # -> option
 
 
 def check_particulars(
@@ -178,6 +178,8 @@ def _check_fixed(fixed: Mapping[str, float]) -> None:
     known = [*WATER, *(key for key in known if key not in _GEOMETRY)]
     for key, value in fixed.items():
         with findings.kept():
+            if key in _GEOMETRY:
+                raise ConfigError(f"--set {key}: is the option --{_GEOMETRY[key]}")
             low, high = (1e-9, 1e9) if key in WATER else (-math.inf, math.inf)
             name = check_known("number of a ship", key, known)
             check_number(f"--set {name}", value, low, high, unit_of(key))

@@ -133,7 +133,13 @@ def test_everything_that_is_wrong_is_told_at_once():
     with pytest.raises(ConfigError) as error:
         new_ship("kvlcc2", "x", {"L": 0.1, "B": "x", "C_b": 1.2}, {"hull.L": 3.0, "form.KG": "a"})
     lines = str(error.value).splitlines()
-    told = ("'hull.L'", "--set form.KG = 'a'", "--L = 0.1", "--B = 'x'", "--C_b = 1.2")
+    told = (
+        "--set hull.L: is the option --L",
+        "--set form.KG = 'a'",
+        "--L = 0.1",
+        "--B = 'x'",
+        "--C_b = 1.2",
+    )
     assert all(any(words in line for line in lines) for words in told)
     assert lines[-1] == "missing --d, --speed" and len(lines) == 6, lines
     with pytest.raises(ConfigError, match="missing --L, --B, --d, --speed, --C_b"):
