@@ -28,7 +28,7 @@ from ship_gym.ships.particulars import (
     WindAreas,
 )
 from ship_gym.ships.plausible import findings_of
-from ship_gym.ships.ranges import RANGES
+from ship_gym.ships.ranges import BOX, RANGES
 
 # particular -> range of it, and its unit; L, B, d, speed and C_b (or volume) are needed
 PARTICULARS: dict[str, tuple[float, float, str]] = {
@@ -89,7 +89,7 @@ def check_particulars(
     box = p["L"] * p["B"] * p["d"]
     p.setdefault("volume", p.get("C_b", 0.0) * box)
     with findings.kept():
-        p["C_b"] = check_number("volume / (L B d)", p["volume"] / box, 0.25, 1.0)
+        p["C_b"] = check_number("volume / (L B d)", p["volume"] / box, 0.25, BOX)
     findings.tell()
     return p
 
