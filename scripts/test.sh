@@ -99,6 +99,8 @@ cover_kernels() { # compiled code leaves no trace, so Python runs the kernels: a
 set_up
 cd "$ROOT"
 export PATH="$VENV/bin:$PATH" MPLBACKEND=Agg
+# As many processes as processors: threads of BLAS and torch would only wait for each other.
+export OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"
 log="$(mktemp)"
 trap 'rm -f "$log"' EXIT
 
@@ -107,10 +109,19 @@ if [ "$kernel_coverage" = yes ]; then
     cover_kernels
     exit
 fi
+compiling=
+if [ ${#arguments[@]} -eq 0 ]; then # all tests, not a few
+    # Machine code that hundreds of them share, while the checks leave a processor idle: each process
+    # of pytest would compile all of it for itself. What is wrong with it the tests say.
+    SHIP_GYM_ONE_VERSION=1 "$VENV/bin/ship-gym" warm-up --json >/dev/null 2>&1 &
+    compiling=$!
+    trap 'rm -f "$log"; kill "$compiling" 2>/dev/null || true' EXIT
+fi
 check "ruff check" ruff check .
 check "ruff format --check" ruff format --check .
 check "lint-imports" lint-imports
 check "mypy" mypy
+[ -z "$compiling" ] || wait "$compiling" || true
 run_pytest "fast tests" "not slow"
 [ "$slow" = no ] || run_pytest "slow tests" "slow"
 [ "$tests_ran" = yes ] || failed+=("no test ran")

@@ -65,7 +65,7 @@ def area_curve(ship: Ship, bulb: Bulb | None) -> Curve:
     ConfigError
         None exists with the ship's volume and centre of buoyancy: says the range.
     """
-    form, hull = ship.form, ship.hull
+    form, hull = _form(ship), ship.hull
     volume, moment, at_fore = hull.volume, hull.volume * form.x_B, 0.0
     if bulb is not None:
         volume -= bulb.volume
@@ -85,14 +85,14 @@ def breadth_curve(ship: Ship) -> Curve:
     ConfigError
         None exists with the ship's C_wp and x_F: says the range.
     """
-    form, L = ship.form, ship.hull.L
+    form, L = _form(ship), ship.hull.L
     names = "C_wp", "x_F / L"
     return fitted_curve(form.C_wp, form.x_F / L, *_wl_ends(form), form.parallel / L, names)
 
 
 def centres_of_waterplane(ship: Ship) -> tuple[float, float] | None:
     """Smallest and largest x_F [m] of waterlines with the ship's C_wp; None: there are none."""
-    form, L = ship.form, ship.hull.L
+    form, L = _form(ship), ship.hull.L
     found = centre_range(form.C_wp, *_wl_ends(form), form.parallel / L)
     return None if found is None else (found[0] * L, found[1] * L)
 
@@ -170,9 +170,15 @@ def hull_lines(ship: Ship, stations: int = STATIONS) -> HullLines:
     return HullLines(x, 0.5 * hull.B * b, draught, section_exponent(np.maximum(c, 1e-5)), bulb)
 
 
+def _form(ship: Ship) -> HullForm:
+    """Form of a ship that has one: `hull_sections` has seen to that."""
+    assert ship.form is not None
+    return ship.form
+
+
 def _keel(ship: Ship, x: np.ndarray, bulb: Bulb | None) -> np.ndarray:
     """Draught by d: it falls to that of the transom aft, and to the bottom of the bulb forward."""
-    form, hull = ship.form, ship.hull
+    form, hull = _form(ship), ship.hull
     end = transom_draught(form.a_transom, form.b_transom, form.C_m)
     rise = np.clip((form.x_keel - x) / (form.x_keel + 0.5 * hull.L), 0.0, 1.0)
     draught = 1.0 - (1.0 - end) * rise

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -34,7 +35,7 @@ class Made:
         self.parent_C_b = estimators.block_coefficient(h.L, h.B, h.d, h.volume)
         pairs = ((p["B"], h.B), (p["d"] / p["B"], h.d / h.B), (p["C_b"], self.parent_C_b))
         self.near = all(abs(new / old - 1.0) <= NEAR for new, old in pairs)
-        water = {key: float(fixed[key]) for key in ("rho", "nu") if key in fixed}
+        water: dict[str, Any] = {key: float(fixed[key]) for key in ("rho", "nu") if key in fixed}
         self.ship = dataclasses.replace(
             parent, name=name, title=f"{name}, {p['L']:g} m, like {parent.name}",
             status=f"estimated from particulars and {parent.name}; validated by nothing",
@@ -69,8 +70,9 @@ class Made:
                 continue
             value = getattr(getattr(old, section), key)
             over, under = (basis(s, allowed.by, s.file_speed) for s in (self.ship, old))
-            if value not in (0.0, math.inf) and not {None, math.inf} & {over, under}:
-                value *= over / under  # None: a number that is fixed is not above zero
+            if value not in (0.0, math.inf) and over is not None and under is not None:
+                if math.inf not in (over, under):
+                    value *= over / under  # None: a number that is fixed is not above zero
             by = f", by {allowed.by}" if allowed.by else ""
             self.set(section, {key: (value, f"as {old.name}{by}")})
 
@@ -186,6 +188,7 @@ def _others(m: Made) -> None:
     if m.ship.form is None:
         return
     old, C_b = m.parent, m.p["C_b"]
+    assert old.form is not None  # as hers is the one the ship began with
     more = C_b - m.parent_C_b
     C_wp = min(0.97, old.form.C_wp + WATERPLANE * more)
     C_m = min(max(0.998, old.form.C_m), old.form.C_m + MIDSHIP * more)

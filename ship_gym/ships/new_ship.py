@@ -53,8 +53,10 @@ WATER = {"rho": "kg/m3", "nu": "m2/s"}  # also fixed by name; above zero, or not
 _WITH_UNIT = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([A-Za-z][\w/ ]*)?")
 _WHOLE = ("z", "propellers")
 _NEEDED = ("L", "B", "d", "speed")
-_GEOMETRY = {f"hull.{key}": key for key in ("L", "B", "d", "volume", "x_G")}
-_GEOMETRY |= {"propeller.D": "D_P", "rudder.A_R": "A_R", "engine.n_max": "n_max"}  # -> option
+_GEOMETRY = {  # number -> its own option
+    **{f"hull.{key}": key for key in ("L", "B", "d", "volume", "x_G")},
+    **{"propeller.D": "D_P", "rudder.A_R": "A_R", "engine.n_max": "n_max"},
+}
 
 
 def check_particulars(
@@ -100,7 +102,9 @@ def number_of(text: str, unit: str) -> float | str:
     Units are those of ship files; the text of no number and no unit is refused by `new_ship`.
     """
     found = _WITH_UNIT.fullmatch(text.strip())
-    factor, si = UNITS.get(found[2] or unit, (0.0, "")) if found else (0.0, "")
+    if found is None:
+        return text
+    factor, si = UNITS.get(found[2] or unit, (0.0, ""))
     if si == unit:
         with contextlib.suppress(ValueError):
             return float(found[1]) * (factor if found[2] else 1.0)

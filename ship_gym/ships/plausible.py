@@ -13,14 +13,14 @@ import math
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ship_gym.config import ConfigError, ImplausibleShip, shown
 from ship_gym.conventions import G
-from ship_gym.ships.particulars import Ship
+from ship_gym.ships.particulars import PropulsionPoint, Ship
 from ship_gym.ships.ranges import (
     NOT_NEGATIVE,
     OPEN_WATER,
@@ -31,6 +31,7 @@ from ship_gym.ships.ranges import (
     TRIAL,
     Range,
 )
+from ship_gym.ships.trials import Trial
 
 _LEAST_REYNOLDS = 1e4  # ITTC-57 has a pole at 100
 
@@ -44,7 +45,7 @@ class Verdict(NamedTuple):
 
 # Basis of a range -> its SI unit, and its value for a ship that sails at U [m/s]; what a number is
 # divided by, so that it no longer depends on the size of the ship.
-_Basis = tuple[str, Callable[[Ship, float], float]]
+_Basis = tuple[str, Callable[[Any, Any], float]]  # a number of a ship that is read may be None
 BASES: dict[str, _Basis] = {
     "": ("", lambda s, U: 1.0),
     "L": ("m", lambda s, U: s.hull.L),
@@ -102,7 +103,9 @@ def values_of(ship: Ship) -> Iterator[tuple[str, dict[str, Any], Mapping[str, Ra
         yield prefix, values, table, speed
     yield "open_water.", _open_water(ship), OPEN_WATER, speed
     for name, table in (("trial", TRIAL), ("propulsion", PROPULSION)):
-        points = ship.trials if name == "trial" else ship.propulsion
+        points: Sequence[Trial | PropulsionPoint] = (
+            ship.trials if name == "trial" else ship.propulsion
+        )
         for k, point in enumerate(points):
             yield f"{name}[{k}].", vars(point), table, point.speed
 
@@ -134,7 +137,8 @@ def findings_of(ship: Ship) -> Verdict:
     are the limits that are shares of it. Of numbers by a number that is out of range, only what
     cannot be computed with is told: else one slip would be many findings.
     """
-    found, bad = Verdict([], []), set()
+    found = Verdict([], [])
+    bad: set[str] = set()
     for prefix, values, table, speed in values_of(ship):
         for name, allowed in table.items():
             if (value := values.get(name)) is not None:
@@ -237,7 +241,7 @@ def _propellers(ship: Ship) -> str:
 
 
 def _form(ship: Ship) -> str:
-    f = ship.form
+    f: Any = ship.form
     if (f.b_transom > 0.0) != (f.a_transom > 0.0):
         return (
             f"form.b_transom = {f.b_transom:g}, form.a_transom = {f.a_transom:g}: a transom needs "

@@ -55,7 +55,8 @@ class Reader:
 
     def __init__(self, path: Path, label: str = ""):
         self.path, self.label = path, label or str(path)
-        self.source, self.length = "", None
+        self.source = ""
+        self.length: float | None = None
         self.findings = Findings()
         self.sources: dict[str, str] = {}
         self.estimated: dict[str, str] = {}
@@ -140,7 +141,9 @@ class Reader:
         if not isinstance(entry, Mapping):
             entry = {"value": entry, "unit": "-"}
         self.known(entry, _NUMBER_KEYS, where)
-        texts = {k: self.text(f"{where}.{k}", entry[k]) for k in _NUMBER_KEYS[1:] if k in entry}
+        texts: dict[str, Any] = {
+            k: self.text(f"{where}.{k}", entry[k]) for k in _NUMBER_KEYS[1:] if k in entry
+        }
         result = None
         with self.kept():
             result = self._si(where, unit, entry.get("value"), texts.get("unit", "-"))
