@@ -40,9 +40,9 @@ class Made:
             parent, name=name, title=f"{name}, {p['L']:g} m, like {parent.name}",
             status=f"estimated from particulars and {parent.name}; validated by nothing",
             full_length=p["L"], speed=p["speed"], share=1.0, trials=(), propulsion=(),
-            wave_table="", surrogate=None, surrogate_name="none", implausible=(), strict=True,
-            variant=f"like {parent.name}", sources=dict.fromkeys(water, GIVEN), estimated={},
-            **water,
+            wave_table="", wave_state=(), surrogate=None, surrogate_name="none", implausible=(),
+            strict=True, variant=f"like {parent.name}", sources=dict.fromkeys(water, GIVEN),
+            estimated={}, **water,
         )  # fmt: skip
 
     def set(self, section: str, values: Mapping[str, tuple[float, str]]) -> None:

@@ -133,7 +133,13 @@ def test_everything_that_is_wrong_is_told_at_once():
     with pytest.raises(ConfigError) as error:
         new_ship("kvlcc2", "x", {"L": 0.1, "B": "x", "C_b": 1.2}, {"hull.L": 3.0, "form.KG": "a"})
     lines = str(error.value).splitlines()
-    told = ("'hull.L'", "--set form.KG = 'a'", "--L = 0.1", "--B = 'x'", "--C_b = 1.2")
+    told = (
+        "--set hull.L: is the option --L",
+        "--set form.KG = 'a'",
+        "--L = 0.1",
+        "--B = 'x'",
+        "--C_b = 1.2",
+    )
     assert all(any(words in line for line in lines) for words in told)
     assert lines[-1] == "missing --d, --speed" and len(lines) == 6, lines
     with pytest.raises(ConfigError, match="missing --L, --B, --d, --speed, --C_b"):
@@ -242,3 +248,13 @@ def test_a_ship_that_is_not_strict_says_so_in_her_file(tmp_path):
     path = tmp_path / "b.toml"
     path.write_text(ship_text(made, "given"), encoding="utf-8")
     assert load_ship(path).strict is False
+
+
+@pytest.mark.parametrize("size", [(80.0, 16.0, 3.0), (61.7, 12.3, 2.7), (57.3, 12.3, 2.3)])
+def test_a_box_is_not_fuller_than_a_box_by_rounding(size, tmp_path):
+    """C_b of the last two is 1 + 1e-6 in their files, whose numbers have six digits."""
+    L, B, d = size
+    made = _without_form(new_ship("kvlcc2", "b", {**BARGE, "L": L, "B": B, "d": d}))
+    path = tmp_path / "b.toml"
+    path.write_text(ship_text(made, "given"), encoding="utf-8")
+    assert load_ship(path).hull.volume == pytest.approx(L * B * d, rel=1e-5)

@@ -150,6 +150,8 @@ def _build(path: Path, mesh: bool) -> str:
 
 
 def _text(ship: Any, path: Path, no_form: str, build: str, doubtful: Sequence[str]) -> str:
+    from ship_gym_agents.cli.output import next_command
+
     h = ship.hull
     lines = [
         f"wrote {path}: L {h.L:.5g} m, B {h.B:.5g} m, d {h.d:.5g} m, {h.volume:.5g} m3",
@@ -163,6 +165,6 @@ def _text(ship: Any, path: Path, no_form: str, build: str, doubtful: Sequence[st
     lines += [
         f"next: {build}",
         f"then: gym.make('ShipGym/HeadingKeeping-v0', ship={str(path)!r})",
-        f"and:  ship-gym tune --ship {path}",
+        f"and:  {next_command('tune', ship=path)}",
     ]
     return "\n".join(lines)
