@@ -24,7 +24,9 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx.ext.linkcode",
     "sphinx_copybutton",
+    "website.command_line",
     "website.mathml",
+    "website.members",
     "website.sources",
 ]
 

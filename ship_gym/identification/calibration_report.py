@@ -43,6 +43,11 @@ def implausible(found: Calibration) -> list[str]:
     return []
 
 
+def advice(found: Calibration) -> str:
+    """Nothing to look at."""
+    return ""
+
+
 def as_dict(found: Calibration) -> dict[str, Any]:
     """The calibration as plain data; root mean squares of x / L, y / L, psi [deg]."""
     return estimate_as_dict(found.estimate) | {

@@ -69,9 +69,7 @@ def scatter(
     sigma = dict.fromkeys(np.unique(groups).tolist(), 1.0)
     freedom: dict[str, float] = {}
     for _ in range(_ROUNDS):
-        weight = np.array([1.0 / sigma[g] for g in groups.tolist()])
-        Q, _ = np.linalg.qr(jacobian * weight[:, None])
-        leverage = (Q * Q).sum(axis=1)
+        leverage = leverages(jacobian, groups, sigma)
         for name in sigma:
             own = groups == name
             freedom[name] = float(own.sum() - leverage[own].sum())
@@ -80,6 +78,13 @@ def scatter(
             square = float(residuals[own] @ residuals[own]) / freedom[name]
             sigma[name] = max(np.sqrt(square), 1e-15)
     return sigma, freedom
+
+
+def leverages(jacobian: np.ndarray, groups: np.ndarray, sigma: dict[str, float]) -> np.ndarray:
+    """How far each row draws the fit to itself, 0 to 1, shape (m,); their sum is the numbers'."""
+    weight = np.array([1.0 / sigma[g] for g in groups.tolist()])
+    Q, _ = np.linalg.qr(jacobian * weight[:, None])
+    return (Q * Q).sum(axis=1)
 
 
 def solve(
@@ -144,5 +149,6 @@ def check_told(names: Sequence[str], jacobian: np.ndarray) -> None:
         raise ConfigError(f"{len(jacobian)} values for {len(names)} numbers: too few")
     _, s, V = np.linalg.svd(jacobian / size, full_matrices=False)
     if (s[0] / max(s[-1], 1e-300)) ** 2 > ILL:
-        mixed = [name for name, x in zip(names, V[-1], strict=True) if abs(x) > 0.3]
+        shares = np.abs(V[-1]) / np.abs(V[-1]).max()
+        mixed = [name for name, x in zip(names, shares, strict=True) if x > 0.2]
         raise ConfigError(f"the tests do not tell {', '.join(mixed)} apart: fit fewer of them")

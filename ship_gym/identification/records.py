@@ -19,9 +19,11 @@ from ship_gym.config import UNITS, ConfigError, check_number
 from ship_gym.csv_file import read_csv
 from ship_gym.plain_csv import read_plain_csv
 from ship_gym.reading import read_text
+from ship_gym.reports.captive_file import own_length
 from ship_gym.ships.particulars import Ship
 
-COLUMNS = ("t", "x", "y", "psi", "delta", "n")
+_SI = {"t": "s", "x": "m", "y": "m", "psi": "rad", "delta": "rad", "n": "rev/s"}
+COLUMNS = tuple(_SI)
 _MARIN = {"t": "s", "x": "m", "y": "m", "psi": "deg", "delta": "deg", "n": "rpm"}
 _MARIN_LENGTH = 320.0  # [m]; their rudder angle is positive to port
 _STEP = 0.025  # [L / U0] between rows that are sailed
@@ -78,7 +80,8 @@ def read_record(path: str | Path, ship: Ship) -> Record:
     k = max(int(_STEP * ship.hull.L / motion[0] / np.median(np.diff(c["t"]))), 1)
     for name in ("delta", "n"):
         c[name] = _means(c["t"], c[name], k)
-    return Record(str(path), *(c[name][::k] for name in COLUMNS[:4]), c["delta"], c["n"], motion)
+    t, x, y, psi = (c[name][::k] for name in COLUMNS[:4])
+    return Record(str(path), t, x, y, psi, c["delta"], c["n"], motion)
 
 
 def _means(t: np.ndarray, values: np.ndarray, k: int) -> np.ndarray:
@@ -89,9 +92,7 @@ def _means(t: np.ndarray, values: np.ndarray, k: int) -> np.ndarray:
 
 def _own(path: str | Path, ship: Ship) -> tuple[float, dict[str, np.ndarray]]:
     data = read_csv(path).require(*COLUMNS)
-    length = data.number("length") if "length" in data.header else ship.hull.L
-    length = check_number(f"{path}: length", length, 0.1, 1000.0, "m")
-    return length, {name: data.si(name) for name in COLUMNS}
+    return own_length(data, ship), {name: data.si(name, unit) for name, unit in _SI.items()}
 
 
 def _marin(path: str | Path) -> tuple[float, dict[str, np.ndarray]]:
@@ -102,7 +103,9 @@ def _marin(path: str | Path) -> tuple[float, dict[str, np.ndarray]]:
     return _MARIN_LENGTH, columns | {"delta": -columns["delta"]}
 
 
-def _motion(path: str | Path, c: Mapping[str, np.ndarray], ship: Ship) -> tuple[float, ...]:
+def _motion(
+    path: str | Path, c: Mapping[str, np.ndarray], ship: Ship
+) -> tuple[float, float, float]:
     """u, v, r at the start: slopes over the first `_START` of a ship length."""
     first = c["t"] <= max(_START * ship.hull.L / ship.speed, float(c["t"][3]))
     dx, dy, r = (float(np.polyfit(c["t"][first], c[k][first], 1)[0]) for k in ("x", "y", "psi"))

@@ -93,7 +93,8 @@ class ShipWaves:
         numpy.ndarray
             Shape (*broadcast shape, 3).
         """
-        return self.table.drift(*self._scaled(omega, heading, speed), model)
+        froude, heading, omega = self._scaled(omega, heading, speed)
+        return self.table.drift(froude, heading, omega, model)
 
     def raos(self, omega, heading, speed) -> np.ndarray:
         """Complex motions by A or k A, order of ``sea.wave_table.MODES``; arguments as `drift`."""

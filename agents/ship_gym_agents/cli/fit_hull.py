@@ -136,9 +136,7 @@ def _write_ship(path: Path, base: Any, found: Any, told: Any) -> None:
     from ship_gym.identification.ship_text import write_ship
 
     if strange := told.implausible(found):
-        raise ConfigError(
-            "\n".join(f"{line}; fit fewer --numbers, or give other runs" for line in strange)
-        )
+        raise ConfigError("\n".join([*strange, told.advice(found)]))
     write_ship(path, base, found.fitted, told.sources_of(found), told.lines_of(found))
 
 
