@@ -29,9 +29,17 @@ _NOISE = 1e-9  # of the largest coefficient: rounding, no scatter
 class Row(Protocol):
     """One measured coefficient (``captive_fit.Row``)."""
 
-    file: str
-    run: Condition
-    name: str
+    @property
+    def file(self) -> str:
+        """Of the run."""
+
+    @property
+    def run(self) -> Condition:
+        """At which it was measured."""
+
+    @property
+    def name(self) -> str:
+        """As the column of the file, ``Y_out``."""
 
     @property
     def axis(self) -> str:
