@@ -151,7 +151,7 @@ def _judged(ship: Ship, reader: Reader) -> Ship:
 
 def _numbers(data: Mapping[str, Any], reader: Reader) -> dict[str, Any]:
     """Numbers of no section."""
-    return {key: reader.number(key, unit, data.get(key)) for key, unit in _UNITS.items()}
+    return {k: reader.number(k, unit, data[k]) if k in data else None for k, unit in _UNITS.items()}
 
 
 def _sections(parts: Mapping[str, Mapping | None], reader: Reader) -> dict[str, Any]:
