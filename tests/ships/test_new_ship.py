@@ -234,6 +234,7 @@ def test_what_is_far_from_what_estimates_know_is_doubted():
     assert doubts(new_ship(old, "near", {**TANKER, "L": 255.0, "speed": 7.4}), old) == ()
     tug = {"L": 28.0, "B": 10.5, "d": 4.2, "C_b": 0.55, "speed": 6.0}
     found = " ".join(doubts(new_ship(old, "tug", tug), old))
+    assert "C_b 0.55, kvlcc2's 0.80; her form makes less" in found
     assert "Fn 0.36, kvlcc2's 0.14" in found and "C_b 0.55" in found and "L/B 2.67" in found
     known = doubts(new_ship(old, "tug", tug, {"hull.R_0": 0.03, "hull.Y_v": -0.4}), old)
     assert not any(words in " ".join(known) for words in ("resistance", "derivatives"))
