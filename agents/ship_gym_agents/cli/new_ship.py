@@ -85,7 +85,7 @@ def command(as_json, name, like, fixed, loose, force, **given) -> None:
     ship = new_ship(like, path.parent.resolve().name, given, _pairs(fixed))
     ship, no_form = _sailing(dataclasses.replace(ship, strict=not loose))
     doubtful = doubts(ship, load_ship(like, surrogate="none"))
-    text = ship_text(ship, "given to ship-gym new-ship")
+    text = ship_text(ship, "given to ship-gym new-ship", doubtful)
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_path(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
