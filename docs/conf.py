@@ -28,6 +28,7 @@ extensions = [
     "website.mathml",
     "website.members",
     "website.sources",
+    "website.tables",
 ]
 
 root_doc = "docs/index"
