@@ -18,10 +18,12 @@ import _fuzz_commands as commands
 import _fuzz_field as field
 import _fuzz_field_edits as field_edits
 import _fuzz_field_use as field_use
+import _fuzz_fit as fit
 import _fuzz_impossible as impossible
 import _fuzz_made as made
 import _fuzz_mutate as text
 import _fuzz_seeds as seeds
+import _fuzz_sets as sets
 import _fuzz_use as use
 import numpy as np
 from _fuzz_seeds import Seed
@@ -41,6 +43,7 @@ EDITS: dict[str, text.Edit] = {
     ".words": commands.words_edit,
     ".nmea": field_edits.nmea_edit,
     ".nc": field_edits.netcdf_edit,
+    ".hdf5": sets.hdf5_edit,
     **dict.fromkeys((".rtz", ".gpx", ".vtu"), field_edits.xml_edit),
     **dict.fromkeys((".obj", ".stl", ".gdf", ".off", ".ply"), binary.mesh_edit),
     **dict.fromkeys((".mar", ".dat", ".hst", ".pnl", ".msh", ".vtk"), binary.mesh_edit),
@@ -100,6 +103,8 @@ FORMATS: dict[str, Format] = {
     "hyperparameters": Format(3, seeds.hyperparameters, use.hyperparameters, "text"),
     "ranges": Format(2, seeds.ranges, use.ranges, "text"),
     "captive csv": Format(5, made.captive, use.captive, "text"),
+    "captive fit": Format(3, fit.captive, fit.fit_captive, "fit-hull"),
+    "free record": Format(3, fit.records, fit.calibrate, "fit-hull"),
     "samples csv": Format(5, made.samples, use.samples, "text"),
     "trials csv": Format(3, made.trials, use.trials, "text"),
     "history csv": Format(3, made.histories, use.history, "text"),
@@ -121,6 +126,7 @@ FORMATS: dict[str, Format] = {
     "route": Format(5, field.routes, field_use.route, "routes"),
     "spectrum": Format(4, field.spectra, field_use.spectrum, "seas"),
     "hull": Format(4, field.hulls, field_use.hull, "hulls"),
+    "data set": Format(3, sets.sets, sets.use, "data sets"),
     "sentences": Format(3, field.sentences, field_use.sentences, "serve"),
     "command": Format(10, commands.seeds, commands.use, "command line"),
     impossible.NAME: Format(0, impossible.seeds, use.ship, "ships"),  # each once, never changed

@@ -1,6 +1,6 @@
 # shellcheck shell=bash
-# Sourced by test.sh and quickstart.sh: makes the virtual environment and installs this checkout.
-# Gives: ROOT (the checkout), VENV, PY (its python), say, die, set_up.
+# Sourced by the scripts beside it: makes the virtual environment and installs this checkout.
+# Gives: ROOT (the checkout), VENV, PY (its python), say, die, set_up, set_up_beside.
 # Reads: $PYTHON (a Python >= 3.11), $SHIP_GYM_VENV (where the environment lives; default .venv).
 
 ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)"
@@ -143,6 +143,26 @@ AGAIN="Run the same command again: it starts over"
 pip_install() {
     "$PY" -m pip install -qq --no-input --disable-pip-version-check "$@" ||
         die "pip failed (see above). $AGAIN"
+}
+
+# An environment of its own in a temporary folder, with what sails beside Ship Gym, for the rest of
+# the script, from outside the checkout. Gives: work (the folder, deleted at the end), PY, started.
+set_up_beside() { # EXTRA SOURCE SIZE [PACKAGE...]; SOURCE is the checkout or a wheel
+    local extra="$1" source_="$2" size="$3" python
+    shift 3
+    python="$(find_python)"
+    work="$(mktemp -d)"
+    trap 'rm -rf "$work"' EXIT
+    PY="$work/venv/bin/python"
+    started=$SECONDS
+    say "Installing ship-gym[$extra] for $("$python" --version) (about 1 minute, $size of disk)"
+    "$python" -m venv "$work/venv"
+    pip_install "$TORCH" "${source_}[$extra]" "$@"
+    "$PY" -m pip --disable-pip-version-check check
+    say "Installed in $((SECONDS - started)) s"
+    mkdir "$work/here"
+    cd "$work/here"
+    unset PYTHONPATH
 }
 
 # Two set-ups at once must not write into one environment. Without flock (macOS) we go ahead.

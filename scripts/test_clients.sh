@@ -42,23 +42,12 @@ while [ $# -gt 0 ]; do
 done
 [ -e "$source_" ] || die "--wheel $source_: no such file"
 
-python="$(find_python)"
-work="$(mktemp -d)"
-trap 'rm -rf "$work"' EXIT
-PY="$work/venv/bin/python" # of _setup.sh, for pip_install
-started=$SECONDS
-say "Installing ship-gym[clients] for $("$python" --version) (about 1 minute, 1.5 GB of disk)"
-"$python" -m venv "$work/venv"
-pip_install "$TORCH" "$source_[clients]" pytest
-"$PY" -m pip --disable-pip-version-check check
-say "Installed in $((SECONDS - started)) s"
+set_up_beside clients "$source_" "1.5 GB" pytest
 
 # The installed package, not the checkout: tests and examples are copied, and nothing else is there.
-mkdir -p "$work/here/docs"
-cp -r "$ROOT/tests" "$work/here/tests"
-cp -r "$ROOT/docs/examples" "$work/here/docs/examples"
-cd "$work/here"
-unset PYTHONPATH
+mkdir docs
+cp -r "$ROOT/tests" tests
+cp -r "$ROOT/docs/examples" docs/examples
 cat >pytest.ini <<'INI'
 [pytest]
 addopts = --import-mode=importlib

@@ -17,7 +17,8 @@ core tests (those of test_lowest.sh) run against the wheel, away from the checko
 ship-gym is used. At last the unpacked sdist passes the same tests by its own code. Prints a table;
 the exit code is 0 only if every line of it passes.
 
-  --short          few tests; the newest Python with lowest and newest versions, the sdist: for CI
+  --short          one cell a Python, for CI: the oldest with the lowest versions and all core tests,
+                   the newest with the newest and few tests, one between them with the sdist and few
   --pythons LIST   such as 3.11,3.13 (default 3.11,3.12,3.13; one that is not there is left out)
   --only WHAT      lowest, newest or sdist alone
   -h, --help       this text
@@ -35,7 +36,7 @@ HELP
 pythons=(3.11 3.12 3.13)
 kinds=(lowest newest sdist)
 short=no
-files=()
+given=() # files of tests
 while [ $# -gt 0 ]; do
     case "$1" in
     -h | --help) usage && exit 0 ;;
@@ -53,7 +54,7 @@ while [ $# -gt 0 ]; do
         shift
         ;;
     -*) die "unknown option: $1 (see --help)" ;;
-    *) files+=("$1") ;;
+    *) given+=("$1") ;;
     esac
     shift
 done
@@ -62,9 +63,15 @@ FEW=(
     tests/ships/test_loader.py tests/tracks/test_{files,track}.py tests/sea/test_spectra.py
     tests/evaluation/test_metrics.py tests/test_{config,csv_file,import}.py
 )
-if [ ${#files[@]} -eq 0 ]; then
-    if [ "$short" = yes ]; then files=("${FEW[@]}"); else files=("${USUAL[@]}"); fi
-fi
+choose_tests() { # KIND: sets `files`
+    if [ ${#given[@]} -gt 0 ]; then
+        files=("${given[@]}")
+    elif [ "$short" = yes ] && [ "$1" != lowest ]; then
+        files=("${FEW[@]}")
+    else
+        files=("${USUAL[@]}")
+    fi
+}
 
 # Command of a Python X.Y: on the path, or the newest of pyenv's.
 interpreter() { # X.Y
@@ -80,7 +87,8 @@ interpreter() { # X.Y
 
 # In one environment; called where a failure must not end the script, so each step says || return.
 cell() { # PYTHON KIND
-    local python="$1" kind="$2" pins=() tests="$work/tests"
+    local python="$1" kind="$2" pins=() tests="$work/tests" files
+    choose_tests "$kind"
     PY="$work/venv/bin/python"
     rm -rf "$work/venv"
     "$python" -m venv "$work/venv" || return
@@ -92,7 +100,7 @@ cell() { # PYTHON KIND
     (pip_install ${pins[@]+"${pins[@]}"} "$wheel[benchmark]" "${tools[@]}") || return
     cd "$tests" || return
     if [ "$kind" = lowest ]; then
-        [ "$short" = yes ] || run_pytest "${SCALAR[@]}" || return
+        [ ${#given[@]} -gt 0 ] || run_pytest "${SCALAR[@]}" || return
         (pip_install "$("$python" "$ROOT/scripts/_lowest.py" --only rl | grep '^gymnasium==')") || return
     fi
     if [ "$kind" = sdist ]; then # its own code, not the wheel's
@@ -151,14 +159,20 @@ for version in "${pythons[@]}"; do
     if [ -n "$(interpreter "$version")" ]; then found+=("$version"); else say "No Python $version here"; fi
 done
 [ ${#found[@]} -gt 0 ] || die "none of these Pythons is here: ${pythons[*]}"
+oldest="${found[0]}"
 newest="${found[${#found[@]}-1]}"
-[ "$short" = no ] || found=("$newest")
+
+pythons_of() { # KIND: the versions of Python that it runs on
+    case "$short $1" in
+    "yes lowest") echo "$oldest" ;;
+    "yes sdist") echo "${found[${#found[@]}/2]}" ;;
+    "yes newest" | "no sdist") echo "$newest" ;;
+    *) echo "${found[*]}" ;;
+    esac
+}
+
 for kind in "${kinds[@]}"; do
-    if [ "$kind" = sdist ]; then
-        run_cell "$(interpreter "$newest")" "$newest" sdist
-        continue
-    fi
-    for version in "${found[@]}"; do run_cell "$(interpreter "$version")" "$version" "$kind"; done
+    for version in $(pythons_of "$kind"); do run_cell "$(interpreter "$version")" "$version" "$kind"; done
 done
 say "Python, versions, result, time"
 printf '    %s\n' "${rows[@]}"

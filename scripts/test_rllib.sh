@@ -42,20 +42,8 @@ done
 [[ "$seconds" =~ ^[0-9]+$ ]] || die "--seconds $seconds: must be a whole number"
 [ -e "$source_" ] || die "--wheel $source_: no such file"
 
-python="$(find_python)"
-work="$(mktemp -d)"
-trap 'rm -rf "$work"' EXIT
-PY="$work/venv/bin/python" # of _setup.sh, for pip_install
-started=$SECONDS
-say "Installing ship-gym[rllib] for $("$python" --version) (about 1 minute, 2 GB of disk)"
-"$python" -m venv "$work/venv"
-pip_install "$TORCH" "$source_[rllib]"
-"$PY" -m pip --disable-pip-version-check check
-say "Installed in $((SECONDS - started)) s"
+set_up_beside rllib "$source_" "2 GB"
 
-mkdir "$work/empty"
-cd "$work/empty"
-unset PYTHONPATH
 say "RLlib on single environments, $seconds s"
 "$PY" "$ROOT/scripts/_train_rllib.py" "$seconds"
 say "RLlib on the native vector environment"

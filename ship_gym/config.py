@@ -177,7 +177,7 @@ def check_angle(field: str, value: float, limit: float = 2.0 * math.pi) -> float
 
 def check_number(
     field: str,
-    value: float,
+    value: Any,
     low: float = -math.inf,
     high: float = math.inf,
     unit: str = "-",
@@ -257,7 +257,7 @@ def told_of(where: object) -> Iterator[None]:
         raise ConfigError("\n".join(told)) from None
 
 
-def _build(cls: type, values: Mapping[str, Any], where: str) -> Any:
+def _build(cls: Any, values: Mapping[str, Any], where: str) -> Any:
     if not isinstance(values, Mapping):
         raise ConfigError(f"{where} = {shown(values)}: must be a table of keys")
     hints = typing.get_type_hints(cls)
@@ -319,6 +319,7 @@ def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, A
     result = dict(base)
     for key, value in overrides.items():
         old = result.get(key)
-        nested = isinstance(value, Mapping) and isinstance(old, Mapping)
-        result[key] = merged(old, value) if nested else value
+        if isinstance(value, Mapping) and isinstance(old, Mapping):
+            value = merged(old, value)
+        result[key] = value
     return result

@@ -73,8 +73,11 @@ class CsvTable:
                 )
         return self
 
-    def si(self, name: str) -> np.ndarray:
-        """Values of a numeric column in SI (degrees become radians)."""
+    def si(self, name: str, base: str = "") -> np.ndarray:
+        """Values of a numeric column in SI (degrees become radians).
+
+        With `base`, such as ``"rad"``, units that are not of that quantity are refused.
+        """
         self.require(name)
         if name not in self.units:
             raise ConfigError(
@@ -83,6 +86,12 @@ class CsvTable:
         unit = self.units[name]
         if unit not in UNITS:
             raise ConfigError(f"{self.path}: column {shown(name)} has unknown unit [{unit}]")
+        if base and UNITS[unit][1] != base:
+            allowed = " or ".join(f"[{one}]" for one, (_, si) in UNITS.items() if si == base)
+            raise ConfigError(
+                f"{self.path}:{self.title_row}: column {shown(name)} has unit [{unit}]; allowed "
+                f"is {allowed}"
+            )
         return self.columns[name] * UNITS[unit][0]
 
     def where(self, **conditions: Any) -> CsvTable:

@@ -136,7 +136,8 @@ class Keys:
 
     def build(self, cls: type[T]) -> T:
         """A dataclass by ``config.build``; keys that are no fields of it are passed over."""
-        known = {field.name for field in dataclasses.fields(cls)}
+        kind: Any = cls
+        known = {field.name for field in dataclasses.fields(kind)}
         where = f"{self.where}: {self.name}" if self.name else self.where
         return build(cls, {key: v for key, v in self.values.items() if key in known}, where)
 

@@ -6,6 +6,7 @@ import contextlib
 import errno
 import os
 import stat
+import sys
 import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -228,9 +229,7 @@ def take_lock(file: IO[bytes]) -> bool:
     OSError
         The file system has no locks.
     """
-    try:
-        import fcntl
-    except ImportError:  # Windows locks bytes: one far behind the number, which stays readable
+    if sys.platform == "win32":  # which locks bytes: one far behind the number stays readable
         import msvcrt
 
         file.seek(1 << 20)
@@ -239,6 +238,8 @@ def take_lock(file: IO[bytes]) -> bool:
         except OSError:
             return False
         return True
+    import fcntl
+
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except (BlockingIOError, PermissionError):  # the latter by some network file systems

@@ -8,6 +8,7 @@ import platform
 import subprocess
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 _PACKAGES = ("numpy", "scipy", "numba", "gymnasium", "torch", "stable-baselines3", "rerun-sdk")
 
@@ -52,7 +53,7 @@ def git_commit() -> str:
         return "no git checkout"
 
 
-def provenance() -> dict[str, object]:
+def provenance() -> dict[str, Any]:
     """Versions and commit, to be stored in every artefact beside its config and seed."""
     return {"versions": versions(), "git_commit": git_commit()}
 

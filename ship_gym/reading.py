@@ -240,6 +240,7 @@ def npz_arrays(
         found = np.load(io.BytesIO(data), allow_pickle=False)
         if not isinstance(found, np.lib.npyio.NpzFile):
             raise ValueError("holds one array without a name")
+        assert found.zip is not None  # it is open
         check_unpacked(found.zip)
         return {name: np.asarray(found[name]) for name in found.files}
 

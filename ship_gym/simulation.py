@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ship_gym.behaviour import check_behaviour
 from ship_gym.config import ConfigError, check_angle, check_number
@@ -299,7 +300,7 @@ class ShipSim:
             speeds.append(found[key])
         return np.array(speeds)
 
-    def step(self, commands: np.ndarray, dt: float | np.ndarray) -> np.ndarray:
+    def step(self, commands: ArrayLike, dt: float | np.ndarray) -> np.ndarray:
         """Hold commands for one interval.
 
         Parameters

@@ -19,6 +19,7 @@ from ship_gym.recording.trajectory import Trajectory
 from ship_gym.sea.state import Sea
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship
+from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import through_water
 from ship_gym.stopping import neutral_angle, water_motion
 
@@ -93,7 +94,7 @@ class Spiral:
 
 
 def pull_out(
-    ship: Named,
+    ship: Named | Ship,
     delta: float = math.radians(20.0),
     speed: float | None = None,
     n: float | None = None,
@@ -144,7 +145,7 @@ def pull_out(
 
 
 def spiral(
-    ship: Named,
+    ship: Named | Ship,
     delta: float = math.radians(15.0),
     step: float = math.radians(1.0),
     speed: float | None = None,

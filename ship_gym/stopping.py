@@ -68,7 +68,7 @@ class SpeedChange:
 
 
 def stopping(
-    ship: Named,
+    ship: Named | Ship,
     delta: float | None = None,
     speed: float | None = None,
     n: float | None = None,
@@ -111,7 +111,7 @@ def stopping(
 
 
 def coasting(
-    ship: Named,
+    ship: Named | Ship,
     delta: float | None = None,
     speed: float | None = None,
     n: float | None = None,
@@ -146,7 +146,7 @@ def coasting(
 
 
 def acceleration(
-    ship: Named,
+    ship: Named | Ship,
     delta: float | None = None,
     speed: float | None = None,
     n: float | None = None,

@@ -42,7 +42,7 @@ def causes(error: BaseException | None) -> Iterator[BaseException]:
 def no_space(error: BaseException) -> str:
     """What a full disk, a quota or a limit of file sizes said; empty if none caused the error."""
     for one in causes(error):
-        if isinstance(one, OSError) and one.errno in _FULL:
+        if isinstance(one, OSError) and one.errno is not None and one.errno in _FULL:
             return os.strerror(one.errno).lower()
     return ""
 
@@ -196,7 +196,7 @@ def sweep(folder: str | os.PathLike, path: str | os.PathLike | None = None) -> N
     path : path-like, optional
         Only what was to become this file.
     """
-    with contextlib.suppress(OSError), os.scandir(folder) as entries:
+    with contextlib.suppress(OSError), os.scandir(os.fspath(folder)) as entries:
         if os.name == "nt":
             return
         for entry in entries:

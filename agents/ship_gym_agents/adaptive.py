@@ -12,7 +12,7 @@ angle is turned into the one that gives this ship the same yaw acceleration.
 from __future__ import annotations
 
 import dataclasses
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -89,21 +89,26 @@ class Adaptive(PID):
     }
 
     def __init__(self, gains: AdaptiveGains | None = None, name: str = "adaptive"):
-        super().__init__(gains, name)
+        own: Any = gains  # which hold those of a PID
+        super().__init__(own, name)
 
     @classmethod
-    def first_gains(cls, ship: Ship) -> AdaptiveGains:
+    def first_gains(cls, ship: Ship) -> AdaptiveGains:  # type: ignore[override]
         """Those of the tuned PID of the ship, or those that its tuning begins at."""
         tuned = PID.first_gains(ship) if find_gains(ship.name) is None else gains_of(ship)
         return AdaptiveGains(tuned if tuned.observer is not None else PID.first_gains(ship))
 
     @classmethod
-    def gains_for(cls, ship: Ship, task: str | None = None) -> AdaptiveGains:
+    def gains_for(  # type: ignore[override]
+        cls, ship: Ship, task: str | None = None
+    ) -> AdaptiveGains:
         """The tuned gains of a ship (and task), else those that tuning would begin at."""
         return super(PID, cls).gains_for(ship, task)
 
     @classmethod
-    def structures(cls, ship: Ship) -> dict[str, tuple[AdaptiveGains, tuple[str, ...]]]:
+    def structures(  # type: ignore[override]
+        cls, ship: Ship
+    ) -> dict[str, tuple[AdaptiveGains, tuple[str, ...]]]:
         """Scheduled only, then with the estimate too."""
         first = cls.first_gains(ship)
         feedback = tuple(f"pid.{name}" for name in _HELMSMAN)
@@ -113,7 +118,9 @@ class Adaptive(PID):
         }
 
     @classmethod
-    def course_structures(cls, ship: Ship) -> dict[str, tuple[AdaptiveGains, tuple[str, ...]]]:
+    def course_structures(  # type: ignore[override]
+        cls, ship: Ship
+    ) -> dict[str, tuple[AdaptiveGains, tuple[str, ...]]]:
         """Those of the PID around the adaptation that there is."""
         gains = Adaptive.gains_for(ship)
         return {
@@ -192,7 +199,8 @@ class YawEstimate:
         self._prior = firm[:, None, None] * np.diag([1.0, 1.0, 1e-3])
         self._information = np.zeros((count, 3, 3))
         self._seen = np.zeros((count, 3))
-        self._filtered, self._fresh = None, Fresh()
+        self._filtered: np.ndarray | None = None
+        self._fresh = Fresh()
 
     def restart(self, rows: np.ndarray) -> None:
         """Begin as the nominal ship in these rows."""
@@ -204,8 +212,8 @@ class YawEstimate:
         now = np.stack([r, v, delta])
         before = begun(self._filtered, self._fresh.take(), now)
         change = now - before
-        self._filtered = before + self._share * change
-        r_f, v_f, delta_f = self._filtered
+        self._filtered = filtered = before + self._share * change
+        r_f, v_f, delta_f = filtered
         # (1 - filter) / time: the derivative of the filtered yaw rate
         known = (1.0 - self._share) * change[0] / self._time - self._ship.N_v * v_f
         regressors = np.stack([-r_f, delta_f, np.ones(len(r_f))], axis=1)
@@ -217,4 +225,8 @@ class YawEstimate:
         found = np.linalg.solve(self._information + self._prior, self._seen[:, :, None])[:, :, 0]
         a, k = (1.0 + found[:, i] / self._nominal[i] for i in (0, 1))
         sound = np.isfinite(a) & np.isfinite(k)
-        return tuple(np.where(sound, np.clip(x, *_BOUNDS), 1.0) for x in (k, a))
+        low, high = _BOUNDS
+        return (
+            np.where(sound, np.clip(k, low, high), 1.0),
+            np.where(sound, np.clip(a, low, high), 1.0),
+        )

@@ -14,7 +14,6 @@ from typing import Any
 
 from ship_gym.config import ConfigError, check_known, shown, told_of
 from ship_gym.evaluation.controller import ConstantController, Controller
-from ship_gym.own_files import split
 from ship_gym.ships import load_ship
 from ship_gym_agents.adaptive import Adaptive
 from ship_gym_agents.autopilot import Autopilot
@@ -25,7 +24,7 @@ from ship_gym_agents.los import ILOS, LOSPID
 from ship_gym_agents.lqg import LQG
 from ship_gym_agents.mpc import MPC
 from ship_gym_agents.pid import PID
-from ship_gym_agents.plugins import is_own, load_object, own_controller
+from ship_gym_agents.plugins import file_of, is_own, load_object, own_controller
 from ship_gym_agents.speed_keeping import JustInTime
 
 CONTROLLERS: dict[str, Callable[[], Controller]] = {
@@ -74,7 +73,7 @@ def make_controller(name_or_path: str | Path) -> Controller:
     """
     name, path = str(name_or_path), Path(name_or_path)
     if is_own(name):
-        return _of_file(own_controller(name), split(name)[0])
+        return _of_file(own_controller(name), file_of(name))
     if path.suffix == ".toml":
         with told_of(path):
             kind = controller_class(kind_of(path))
@@ -93,7 +92,7 @@ def make_controller(name_or_path: str | Path) -> Controller:
     return CONTROLLERS[check_known("controller", name, [*CONTROLLERS, *pretrained()])]()
 
 
-def _of_file(controller: Controller, file: Path) -> Controller:
+def _of_file(controller: Any, file: Path) -> Controller:
     """A controller that says which file decides what it does, as a policy does (`file`)."""
     if not hasattr(controller, "file"):
         with contextlib.suppress(AttributeError):  # one of slots has no room for it
@@ -101,7 +100,7 @@ def _of_file(controller: Controller, file: Path) -> Controller:
     return controller
 
 
-def controller_class(name: str) -> type:
+def controller_class(name: str) -> type[Any]:
     """The class of a controller with gains: a key of `CONTROLLERS` or one's own ``file.py:Class``.
 
     Raises

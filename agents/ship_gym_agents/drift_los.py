@@ -49,7 +49,8 @@ class DriftLOS(LOSPID):
         super().reset(count, ship, scenario)
         self._drift = np.zeros((2, count))
         self._taken = np.zeros((2, count))  # measurements in it
-        self._to_go, self._fresh = None, Fresh()
+        self._to_go: np.ndarray | None = None
+        self._fresh = Fresh()
 
     def restart(self, rows: np.ndarray) -> None:
         """Forget the drift of these rows; see `Autopilot.restart`."""

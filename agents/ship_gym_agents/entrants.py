@@ -33,9 +33,9 @@ def entrant(named: str | Path, shown: str | None = None) -> Entrant:
         As `make_controller`.
     """
     text = _absolute(str(named))
-    made = make_controller(text)
+    made: Any = make_controller(text)
     file = _file(text)
-    about = {} if file is None else {"file": file.name, "sha256": sha256(file)}
+    about: dict[str, Any] = {} if file is None else {"file": file.name, "sha256": sha256(file)}
     about |= _gains(made)
     kind = "policy" if hasattr(made, "card") else "own" if split(text) else "classical"
     if kind == "policy":

@@ -123,7 +123,7 @@ def tuned_ships(kind: str = "pid") -> list[str]:
     return sorted({path.stem.removeprefix(f"{kind}_") for path in general})
 
 
-def gains_type(controller: type) -> type:
+def gains_type(controller: type[Any]) -> type:
     """The dataclass of a controller's gains: what its ``first_gains`` is annotated to return."""
     return typing.get_type_hints(controller.first_gains)["return"]
 
@@ -133,7 +133,7 @@ def kind_of(path: str | Path) -> str:
     return Keys(read_toml(path), str(path)).text("controller", "pid")
 
 
-def load_gains(path: str | Path, controller: type) -> GainsFile:
+def load_gains(path: str | Path, controller: type[Any]) -> GainsFile:
     """Read a file of gains, strictly; a wrong file is a ConfigError with its path and key.
 
     Parameters
@@ -147,7 +147,7 @@ def load_gains(path: str | Path, controller: type) -> GainsFile:
     return GainsFile(raw.ship, gains, raw.tuning, raw.versions, raw.controller, raw.task)
 
 
-def find_tuned(ship: Ship, controller: type, task: str | None = None) -> GainsFile | None:
+def find_tuned(ship: Ship, controller: type[Any], task: str | None = None) -> GainsFile | None:
     """The tuned gains that `find_gains` finds; None if there are none.
 
     Raises
@@ -167,7 +167,7 @@ def find_tuned(ship: Ship, controller: type, task: str | None = None) -> GainsFi
     return found
 
 
-def tuned_file(ship: Ship, controller: type, task: str | None = None) -> GainsFile:
+def tuned_file(ship: Ship, controller: type[Any], task: str | None = None) -> GainsFile:
     """File of the tuned gains of a ship, or a ConfigError that says how to tune them."""
     found, kind = find_tuned(ship, controller, task), controller.KIND
     if found is None:
@@ -184,7 +184,8 @@ def write_gains(found: GainsFile, path: str | Path | None = None) -> Path:
     """Write a file of gains, by default to `place_for_gains`, where the controller finds them."""
     place = place_for_gains(found.ship, found.controller, found.task) if path is None else path
     path, data = Path(place), _given(dataclasses.asdict(found))
-    head = {key: data.pop(key) for key in ("controller", "ship", "task") if key in data}
+    first: tuple[str, ...] = ("controller", "ship", "task")
+    head = {key: data.pop(key) for key in first if key in data}
     lines = ["# Gains of a controller; written by ship-gym tune", *_toml({**head, **data})]
     with atomic_path(path) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")

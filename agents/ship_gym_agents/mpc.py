@@ -112,7 +112,8 @@ class MPC(Autopilot):
 
     KIND = "mpc"
     needs = (*Autopilot.needs, *NEEDS)
-    restart = None  # a solver goes on from its last plan: no row of it begins anew
+    # a solver goes on from its last plan: no row of it begins anew, and `restart` says so
+    restart = None  # type: ignore[assignment]
     # one file has the gains of both: neither gets one of its own
     GENERAL: ClassVar[tuple[str, ...]] = ("heading_keeping", "track_following")
     TUNED: ClassVar = {
@@ -169,7 +170,8 @@ class MPC(Autopilot):
         self._programs = [self._program(made, row) for row in zip(*rows, strict=True)]
         self._current = Current(count, self._step, track.drift_time)
         self._schedule = RudderEffect(ship, self._step)
-        self._surge, self._jump = None, np.zeros(count)
+        self._surge: np.ndarray | None = None
+        self._jump = np.zeros(count)
 
     def _program(self, made: dict, weights: tuple[float, ...]) -> Program:
         """The program of an episode; those of the same weights share their matrices."""
@@ -215,16 +217,15 @@ class MPC(Autopilot):
     def _ahead(self, seen: View, motion) -> tuple[Path, np.ndarray]:
         """The path, and what it and the water add to e and psi at each interval, (count, N, 5)."""
         psi, sway = motion[0], motion[2]
-        if self._surge is None:
-            self._surge = np.array(seen.surge)
-        self._surge = self._surge + self._current.share * (seen.surge - self._surge)
+        surge = np.array(seen.surge) if self._surge is None else self._surge
+        self._surge = surge = surge + self._current.share * (seen.surge - surge)
         self._current(seen, psi, self._jump)
         path = Path(seen, self._g.track.turn_radius)
         N = self._programs[0].horizon.N
-        along = np.maximum(self._surge + self._current.along, 0.1)
+        along = np.maximum(surge + self._current.along, 0.1)
         ahead = along[:, None] * (self._step * np.arange(N + 1))
         bearings = path.bearings(ahead)
-        drift = drift_angle(self._current, bearings, self._surge, sway)
+        drift = drift_angle(self._current, bearings, surge, sway)
         # psi + v' is the course error of the plan: what remains of the drift beside its own sway
         shift = drift - sway[:, None] - bearings
         aside = np.zeros((len(seen), N, 5))

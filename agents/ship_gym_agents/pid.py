@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -132,7 +132,9 @@ class PID(Autopilot):
     @classmethod
     def first_gains(cls, ship: Ship) -> Gains:
         """Gains that tuning begins at: with an observer on the linear model of the ship."""
-        start = {name.removeprefix("observer."): cls.TUNED[name][2] for name in _OBSERVER}
+        start: dict[str, Any] = {
+            name.removeprefix("observer."): cls.TUNED[name][2] for name in _OBSERVER
+        }
         feedback = {name: start.pop(name) for name in (*_FEEDBACK, "K_b")}
         return Gains(**feedback, observer=Observer(identify(ship), **_ERRORS, **start))
 
@@ -181,7 +183,7 @@ class PID(Autopilot):
         """Clear the integrals; `count` episodes of `scenario` with `ship` begin together."""
         super().reset(count, ship, scenario)
         self._integral = np.zeros(count)
-        self._most = self._limit  # rudder angle of this law at which the rudder is hard over
+        self._most: Any = self._limit  # rudder angle of this law at which the rudder is hard over
 
     def restart(self, rows: np.ndarray) -> None:
         """Clear the integrals of these rows; see `Autopilot.restart`."""

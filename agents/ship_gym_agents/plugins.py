@@ -15,6 +15,13 @@ from ship_gym.own_files import load_file, split, told
 from ship_gym_agents.gains_files import kind_of
 
 
+def file_of(text: str) -> Path:
+    """The file of a name that means one (`is_own`)."""
+    found = split(text)
+    assert found is not None
+    return found[0]
+
+
 def is_own(text: str) -> bool:
     """Whether a name means a file of Python: ``file.py`` or ``file.py:Name``."""
     return split(text) is not None
@@ -74,7 +81,7 @@ def own_controller(text: str) -> Controller:
             made = made()
         except Exception as error:
             raise ConfigError(
-                f"{text}: cannot be made: {told(split(text)[0].resolve(), error)}"
+                f"{text}: cannot be made: {told(file_of(text).resolve(), error)}"
             ) from error
     check_controller(made, f"{text}:")
     return made

@@ -28,7 +28,8 @@ class OrderWatch:
     """
 
     def __init__(self, step: float):
-        self._step, self._before, self._fresh = step, (None, None), Fresh()
+        self._step, self._fresh = step, Fresh()
+        self._before: tuple[np.ndarray | None, np.ndarray | None] = None, None
 
     def restart(self, rows: np.ndarray) -> None:
         """Begin anew in these rows with the next measurement."""

@@ -16,8 +16,8 @@ def sail_again(episode: Episode) -> Trajectory | None:
         if episode.task:
             load_task(episode.task)
         controller = make_controller(episode.controller)
-        env = {"ship": episode.ship, "control": episode.control}
-        sailed = rollout(controller, episode.scenario, seeds=[episode.seed], **env)
+        where, seeds = episode.scenario, [episode.seed]
+        sailed = rollout(controller, where, seeds=seeds, ship=episode.ship, control=episode.control)
     except (ConfigError, ImportError):
         return None
     return sailed.trajectory(0)

@@ -65,7 +65,8 @@ class JustInTime(ILOS):
         self._keep = np.exp(-scenario.control_interval / _MEMORY)
         self._calm = self_propulsion(ship, ship.speed) / ship.engine.n_max
         self._current, self._missing = np.zeros(count), np.zeros(count)
-        self._before, self._fresh = None, Fresh()
+        self._before: np.ndarray | None = None
+        self._fresh = Fresh()
 
     def restart(self, rows: np.ndarray) -> None:
         """Give these rows the whole time again; see `Autopilot.restart`."""

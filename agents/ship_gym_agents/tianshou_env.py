@@ -55,13 +55,14 @@ class ShipTianshouEnv(BaseVectorEnv):
             raise ConfigError(f"{taken[0]} of ShipTianshouEnv: it is set by the adapter")
         self.env = ShipVectorEnv(num_envs, autoreset_mode="Disabled", copy=False, **options)
         self.env_num = self.wait_num = self.env.num_envs
-        self.is_async, self.timeout, self.waiting_id = False, None, []
+        self.is_async, self.timeout = False, None
+        self.waiting_id: list[int] = []
         self.ready_id = list(range(self.env_num))
         self.is_closed = False
         self.info: dict[str, Any] = {}
         space = self.env.single_action_space
         self._action_spaces = [copy.deepcopy(space) for _ in range(self.env_num)]
-        self._actions = np.zeros((self.env_num, *space.shape), dtype=np.float32)
+        self._actions = np.zeros((self.env_num, *(space.shape or ())), dtype=np.float32)
         self._ended = np.zeros(self.env_num, dtype=np.bool_)
         self._left_out = np.zeros(self.env_num, dtype=np.bool_)
 
@@ -108,7 +109,7 @@ class ShipTianshouEnv(BaseVectorEnv):
         seeds = self.env.np_random_seed
         for space, one in zip(self._action_spaces, seeds, strict=True):
             space.seed(one)
-        return [[one] for one in seeds]
+        return [None if one is None else [one] for one in seeds]
 
     def get_env_attr(self, key: str, id: Ids = None) -> list[Any]:
         """An attribute as a single environment has it, once for each ship."""

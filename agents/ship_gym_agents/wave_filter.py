@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 from scipy.linalg import expm, solve_discrete_are
@@ -33,7 +34,7 @@ _TRIAL_RUDDER = math.radians(6.0)
 
 
 def check_gains(
-    kind: str, instance: object, signed: tuple[str, ...] = (), positive: tuple[str, ...] = ()
+    kind: str, instance: Any, signed: tuple[str, ...] = (), positive: tuple[str, ...] = ()
 ) -> None:
     """Refuse fields (numbers or arrays) that are not finite, too large, or negative and unsigned.
 

@@ -112,19 +112,29 @@ def in_words(judged: dict[str, Any], name: str) -> str:
     return "\n".join(lines)
 
 
-def options(description: str, examples: str) -> argparse.Namespace:
-    """Options of the command line that PPO of every library has."""
+def options(
+    description: str, examples: str, iterations: int = 100, **more: tuple[Any, str]
+) -> argparse.Namespace:
+    """Options of the command line that PPO of every library has, and `more` of an example's own.
+
+    Those by name: the default, whose type is that of the option, and its help.
+    """
     p = argparse.ArgumentParser(
         description=description.splitlines()[0],
         epilog=examples,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    p.add_argument("--iterations", type=int, default=100, help="rollouts (default 100)")
+    p.add_argument(
+        "--iterations", type=int, default=iterations, help="rollouts (default %(default)s)"
+    )
     p.add_argument("--envs", type=int, default=64, help="ships (default 64)")
     p.add_argument("--ship", default="kcs", help="default kcs")
     p.add_argument("--episode", type=float, default=200.0, help="full-scale s (default 200)")
     p.add_argument("--judge", type=int, default=16, help="evaluation episodes (default 16)")
     p.add_argument("--seed", type=int, default=0)
+    for name, (default, words) in more.items():
+        words += " (default %(default)s)"
+        p.add_argument(f"--{name}", type=type(default), default=default, help=words)
     p.add_argument("--json", action="store_true", help="print the result as JSON on stdout")
     a = p.parse_args()
     check_number("iterations", a.iterations, 1, 10**6)
@@ -142,16 +152,30 @@ def network(n_in: int, n_out: int) -> nn.Sequential:
 
 
 def tell(
-    a: argparse.Namespace, mean_action: MeanAction, name: str, samples: int, seconds: float
+    a: argparse.Namespace,
+    mean_action: MeanAction,
+    name: str,
+    samples: int,
+    seconds: float,
+    scenario: str = "heading_keeping",
+    **more: Any,
 ) -> None:
-    """Judge what was learned with `options` `a`, and print it with the speed of the training."""
-    judged = judge(mean_action, name, a.judge, "heading_keeping", ship=a.ship)
+    """Judge what was learned with `options` `a`, and print it with the speed of the training.
+
+    `more` is added to what ``--json`` prints; where the example has an option ``--out``, it wrote
+    there.
+    """
+    judged = judge(mean_action, name, a.judge, scenario, ship=a.ship)
     speed = samples / seconds
     result = {
         "samples": samples,
         "seconds": round(seconds, 1),
         "samples_per_second": round(speed),
+        **more,
         "judged": judged,
     }
     text = f"{samples} samples in {seconds:.1f} s ({speed:.0f} a second)\n{in_words(judged, name)}"
+    if hasattr(a, "out"):
+        result["out"] = str(a.out)
+        text += f"\nwrote {a.out}"
     show(a.json, result, text)

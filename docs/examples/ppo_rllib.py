@@ -8,7 +8,6 @@ the end.
 
 from __future__ import annotations
 
-import argparse
 import logging
 import time
 from typing import Any
@@ -16,11 +15,11 @@ from typing import Any
 import gymnasium as gym
 import ray
 import torch
-from judging import MeanAction, in_words, judge
+from judging import MeanAction, options, tell
 from ray.rllib.algorithms.algorithm import Algorithm
 from ray.rllib.algorithms.ppo import PPOConfig
 from ray.tune.registry import register_env
-from ship_gym_agents.cli.output import progress, run, show
+from ship_gym_agents.cli.output import progress, run
 
 from ship_gym.config import check_number
 from ship_gym.envs.vector_env import ShipVectorEnv
@@ -83,29 +82,11 @@ def mean_action_of(made: Algorithm) -> MeanAction:
     return mean_action
 
 
-def arguments() -> argparse.Namespace:
-    """Options of the command line."""
-    p = argparse.ArgumentParser(
-        description=__doc__.splitlines()[0],
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    p.add_argument("--iterations", type=int, default=1, help="rollouts (default 1)")
-    p.add_argument("--envs", type=int, default=64, help="environments of a runner (default 64)")
-    p.add_argument("--runners", type=int, default=0, help="processes; 0 (default): this one")
-    p.add_argument("--ship", default="kcs", help="default kcs")
-    p.add_argument("--episode", type=float, default=200.0, help="full-scale s (default 200)")
-    p.add_argument("--judge", type=int, default=16, help="evaluation episodes (default 16)")
-    p.add_argument("--seed", type=int, default=0)
-    p.add_argument("--json", action="store_true", help="print the result as JSON on stdout")
-    return p.parse_args()
-
-
 def main() -> None:
     """Train, say how it went beside the PID."""
-    a = arguments()
-    check_number("iterations", a.iterations, 1, 10**6)
-    check_number("envs", a.envs, 1, 10**5)
+    a = options(
+        __doc__, EXAMPLES, iterations=1, runners=(0, "processes; 0: this one, --envs ships in each")
+    )
     check_number("runners", a.runners, 0, 1000)
     logging.disable(logging.WARNING)  # RLlib's advice on its own settings
     ray.init("local", include_dashboard=False, log_to_driver=False, logging_level="error")
@@ -115,23 +96,12 @@ def main() -> None:
         for _ in progress(range(a.iterations), "training"):
             found = made.train()
         seconds = time.perf_counter() - started
-        judged = judge(mean_action_of(made), "rllib", a.judge, "heading_keeping", ship=a.ship)
+        samples = int(found["num_env_steps_sampled_lifetime"])
+        ended = found["env_runners"].get("episode_return_mean")  # None: no episode has ended
+        tell(a, mean_action_of(made), "rllib", samples, seconds, **{"return": ended})
         made.stop()
     finally:
         ray.shutdown()
-    samples = int(found["num_env_steps_sampled_lifetime"])
-    result = {
-        "samples": samples,
-        "seconds": round(seconds, 1),
-        "samples_per_second": round(samples / seconds),
-        "return": found["env_runners"].get("episode_return_mean"),  # None: no episode has ended
-        "judged": judged,
-    }
-    text = (
-        f"{samples} samples in {seconds:.1f} s ({samples / seconds:.0f} a second), "
-        f"{a.iterations} iteration{'s' * (a.iterations > 1)}\n{in_words(judged, 'rllib')}"
-    )
-    show(a.json, result, text)
 
 
 if __name__ == "__main__":

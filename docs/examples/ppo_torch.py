@@ -17,12 +17,12 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import torch
-from judging import in_words, judge
-from ship_gym_agents.cli.output import progress, run, show
+from judging import options, tell
+from ship_gym_agents.cli.output import progress, run
 from torch import nn
 
 from ship_gym import ShipTorchEnv
-from ship_gym.config import check_known, check_number
+from ship_gym.config import check_known
 from ship_gym.envs.registration import ENVIRONMENTS
 from ship_gym.writing import atomic_path
 
@@ -246,36 +246,22 @@ def train(
     return agent, returns
 
 
-def number(value: float | None) -> str:
-    """For people; a short run may have no episode that ended."""
-    return "(no episode ended)" if value is None else f"{value:.4g}"
-
-
 def arguments() -> argparse.Namespace:
     """Options of the command line."""
-    p = argparse.ArgumentParser(
-        description=__doc__.splitlines()[0],
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+    return options(
+        __doc__,
+        EXAMPLES,
+        iterations=40,
+        device=("cpu", "cpu, cuda or cuda:1"),
+        env=(ENV_ID, "its id for gym.make_vec"),
+        minibatch=(Settings.minibatch, "samples"),
+        out=(Path("runs/ppo_torch.pt"), "weights"),
     )
-    p.add_argument("--device", default="cpu", help="cpu, cuda or cuda:1 (default cpu)")
-    p.add_argument("--env", default=ENV_ID, help=f"its id for gym.make_vec (default {ENV_ID})")
-    p.add_argument("--envs", type=int, default=64, help="environments (default 64)")
-    p.add_argument("--iterations", type=int, default=40, help="rollouts (default 40)")
-    p.add_argument("--minibatch", type=int, default=1024, help="samples (default 1024)")
-    p.add_argument("--ship", default="kcs", help="default kcs")
-    p.add_argument("--episode", type=float, default=200.0, help="full-scale s (default 200)")
-    p.add_argument("--judge", type=int, default=16, help="evaluation episodes (default 16)")
-    p.add_argument("--seed", type=int, default=0)
-    p.add_argument("--out", type=Path, default=Path("runs/ppo_torch.pt"), help="weights")
-    p.add_argument("--json", action="store_true", help="print the result as JSON on stdout")
-    return p.parse_args()
 
 
 def main() -> None:
     """Train, save the weights, say how it went beside a classical autopilot."""
     a = arguments()
-    check_number("iterations", a.iterations, 1, 10**7)
     check_known("env", a.env, ENVIRONMENTS)
     env = make_env(a.device, a.env, a.envs, a.ship, a.episode)
     settings, started = Settings(minibatch=a.minibatch), time.perf_counter()
@@ -283,26 +269,14 @@ def main() -> None:
     seconds = time.perf_counter() - started
     with atomic_path(a.out) as path:
         torch.save(agent.state_dict(), path)
-    judged = judge(agent.cpu().actor, "ppo", a.judge, scenario=ENVIRONMENTS[a.env], ship=a.ship)
     tenth = max(a.iterations // 10, 1)
-    first, last = returns.mean(slice(None, 2 * tenth + 1)), returns.mean(slice(-tenth, None))
-    samples = a.iterations * settings.horizon * a.envs
-    result = {
+    more = {
         "device": str(env.device),
-        "samples": samples,
-        "seconds": round(seconds, 1),
-        "samples_per_second": round(samples / seconds),
-        "return_first": first,
-        "return_last": last,
-        "judged": judged,
-        "out": str(a.out),
+        "return_first": returns.mean(slice(None, 2 * tenth + 1)),
+        "return_last": returns.mean(slice(-tenth, None)),
     }
-    text = (
-        f"{samples} samples in {seconds:.1f} s on {env.device} ({samples / seconds:.0f} a second); "
-        f"mean return {number(first)} at the start, {number(last)} at the end\n"
-        f"{in_words(judged, 'ppo')}\nwrote {a.out}"
-    )
-    show(a.json, result, text)
+    samples = a.iterations * settings.horizon * a.envs
+    tell(a, agent.cpu().actor, "ppo", samples, seconds, ENVIRONMENTS[a.env], **more)
 
 
 if __name__ == "__main__":

@@ -117,7 +117,8 @@ class Chart:
         leg, along = leg.reshape(lat.shape), along.reshape(lat.shape)
         bearing, across = self._bearings[leg], np.zeros(lat.shape)
         for _ in range(_ROUNDS):
-            miss = geodesy.geodesic(*self._place_on(leg, along, across), lat, lon)
+            found_lat, found_lon = self._place_on(leg, along, across)
+            miss = geodesy.geodesic(found_lat, found_lon, lat, lon)
             ahead = miss.length * np.cos(miss.bearing - bearing)
             along, across = along + ahead, across + miss.length * np.sin(miss.bearing - bearing)
             if not (miss.length > _EXACT).any():

@@ -21,6 +21,13 @@ def unit_definitions() -> Element:
     return made
 
 
+def part(element: Element, name: str) -> Element:
+    """The part of a name, which every description has."""
+    found = element.find(name)
+    assert found is not None, name
+    return found
+
+
 def complete_variable(kind: Element, variable: Variable, values: Mapping[str, Any]) -> None:
     """Unit, limits and start of one variable; pythonfmu writes no unit and 16 digits."""
     if variable.kind == REAL and variable.unit:

@@ -7,7 +7,7 @@ from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
 from ship_gym.cosim.card import opened, state_from_bytes
-from ship_gym.cosim.description import complete_variable, unit_definitions
+from ship_gym.cosim.description import complete_variable, part, unit_definitions
 from ship_gym.cosim.guarded import GuardedUnit
 from ship_gym.cosim.registration import Library, register
 from ship_gym.cosim.unit import ShipUnit
@@ -64,11 +64,11 @@ def completed(root: Element, unit: ShipUnit) -> Element:
         `root`.
     """
     root.insert(1, unit_definitions())  # behind CoSimulation
-    for element in root.find("ModelVariables"):
-        variable = unit.variables[element.get("name")]
-        complete_variable(element.find(variable.kind), variable, unit.values)
-    structure = root.find("ModelStructure")
-    for unknown in structure.find("Outputs"):
+    for element in part(root, "ModelVariables"):
+        variable = unit.variables[element.attrib["name"]]
+        complete_variable(part(element, variable.kind), variable, unit.values)
+    structure = part(root, "ModelStructure")
+    for unknown in part(structure, "Outputs"):
         unknown.set("dependencies", "")  # no output depends on an input of the same instant
     unknowns = SubElement(structure, "InitialUnknowns")
     for k, variable in enumerate(unit.variables.values()):

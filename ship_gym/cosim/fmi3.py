@@ -7,7 +7,7 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from ship_gym.cosim.card import opened, state_from_bytes
-from ship_gym.cosim.description import complete_variable, unit_definitions
+from ship_gym.cosim.description import complete_variable, part, unit_definitions
 from ship_gym.cosim.guarded import GuardedUnit
 from ship_gym.cosim.registration import Library, register
 from ship_gym.cosim.unit import ShipUnit
@@ -82,9 +82,9 @@ def completed(root: Element, unit: ShipUnit) -> Element:
         `root`.
     """
     root.insert(1, unit_definitions())  # behind CoSimulation
-    for element in root.find("ModelVariables"):
-        if (name := element.get("name")) != _TIME:
+    for element in part(root, "ModelVariables"):
+        if (name := element.attrib["name"]) != _TIME:
             complete_variable(element, unit.variables[name], unit.values)
-    for output in root.find("ModelStructure").iter("Output"):
+    for output in part(root, "ModelStructure").iter("Output"):
         output.set("dependencies", "")  # no output depends on an input of the same instant
     return root

@@ -220,7 +220,7 @@ class ShipUnit:
         ConfigError
             It is none of this unit.
         """
-        values = stored.get("values")
+        values: Any = stored.get("values")
         if stored.get("format") != _FORMAT or values.keys() != self.values.keys():
             raise ConfigError("no state of this unit, or of another version of Ship Gym")
         fixed = {k for k in values if self.variables[k].causality != "input"}

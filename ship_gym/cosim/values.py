@@ -27,7 +27,7 @@ from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
 from ship_gym.simulation import self_propulsion
 
-_TYPES = {REAL: (int, float), WHOLE: int, SWITCH: bool, TEXT: str}
+_TYPES: dict[str, Any] = {REAL: (int, float), WHOLE: int, SWITCH: bool, TEXT: str}
 _OF = {v.name: v for v in (*PARAMETERS, *START_PLACE, *INPUTS)}
 
 

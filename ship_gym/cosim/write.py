@@ -111,7 +111,7 @@ def _resources(
     if name.endswith(".toml"):
         values = values | {"ship.name": _pack_ship(Path(name), ships)}
     version = versions()["ship-gym"]
-    card = {
+    card: dict[str, Any] = {
         "format": FORMAT,
         "ship": ship.name,
         "modelName": model,

@@ -41,7 +41,8 @@ class DiscreteRudder(gym.ActionWrapper, gym.utils.RecordConstructorArgs):
                 f"DiscreteRudder needs control = 'rudder'; the action here has shape "
                 f"{env.action_space.shape}"
             )
-        largest = env.unwrapped.ship.gear.delta_max
+        base: Any = env.unwrapped
+        largest = base.ship.gear.delta_max
         self.angles = np.array([check_angle("angles", angle, largest) for angle in angles])
         if len(self.angles) < 2 or not (np.diff(self.angles) > 0.0).all():
             raise ConfigError(
@@ -54,5 +55,5 @@ class DiscreteRudder(gym.ActionWrapper, gym.utils.RecordConstructorArgs):
         """Rudder command in [-1, 1], shape (1,), of a choice."""
         choice = np.asarray(action)
         if choice.ndim > 0 or not self.action_space.contains(choice.item()):
-            raise ConfigError(f"action {action!r}: allowed is 0 to {self.action_space.n - 1}")
+            raise ConfigError(f"action {action!r}: allowed is 0 to {len(self.angles) - 1}")
         return self._actions[int(choice)]

@@ -71,7 +71,8 @@ def resolved_fleet(
     for ship in ships:
         if not isinstance(ship, str | os.PathLike | Ship):
             raise ConfigError(f"ship = {ships!r}: each must be a name or a Ship")
-    different, numbers = numbered(ships)
+    fleet: Sequence[Any] = ships  # paths are hashable too
+    different, numbers = numbered(fleet)
     scenarios, made = [], []
     for ship in different:
         resolved, given = resolved_scenario(

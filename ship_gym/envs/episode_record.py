@@ -123,7 +123,8 @@ class Conditions:
         found |= task.columns(found, history, self.plan)
         found |= {name: np.full(count, value) for name, value in self._surroundings().items()}
         if self.current[2] > 0.0:
-            found["current_speed"] *= current_at(*self.current[2:], rows["time"])
+            variation, omega, phase = self.current[2:]
+            found["current_speed"] *= current_at(variation, omega, phase, rows["time"])
         if self.waves.shape[1]:
             found["waves_extrapolation"] = rows["waves"][:, WAVE_EXTRAPOLATION]
         found["reward"] = _padded(rows["rewards"], count)

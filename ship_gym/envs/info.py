@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy as copies
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,14 +34,15 @@ class Info(dict):
 
     __slots__ = ("_build", "_names")
 
-    def __init__(self, names: Iterable[str], build: Callable[[str], Any]):
-        self._names: Iterable[str] = names
+    def __init__(self, names: Collection[str], build: Callable[[str], Any]):
+        self._names: Collection[str] = names
         self._build: Callable[[str], Any] | None = build
         dict.__setitem__(self, _WAITING, None)
 
     def __missing__(self, name: Any) -> Any:
         if not self._waits(name):
             raise KeyError(name)
+        assert self._build is not None  # as something waits
         value = self._build(name)
         dict.__setitem__(self, name, value)
         return value

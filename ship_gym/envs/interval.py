@@ -242,7 +242,12 @@ def loops_of(task: Task) -> dict[str, Callable]:
         own["begin"] = task.begin
     if task.error is not None:
         own["error"] = task.error
-    loops = {"interval": _interval, "begin": _begin, "start": _start, "observe": _observe}
+    loops: dict[str, Callable] = {
+        "interval": _interval,
+        "begin": _begin,
+        "start": _start,
+        "observe": _observe,
+    }
     loops["end"] = _end
     return {name: specialised(loop, f"{name}_{task.name}", **own) for name, loop in loops.items()}
 

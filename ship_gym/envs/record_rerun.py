@@ -108,7 +108,7 @@ class RecordRerun(gym.Wrapper, RecordConstructorArgs):
         super().close()
 
 
-def recording_of_base(base: Any, kind: type, options: RecordingOptions) -> EpisodeRecording:
+def recording_of_base(base: Any, kind: Any, options: RecordingOptions) -> EpisodeRecording:
     """Recording of a ship environment; ConfigError if it is none."""
     if not isinstance(base, kind):
         others = kind is not ShipEnv and isinstance(base, VectorEnv)

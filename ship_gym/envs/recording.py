@@ -43,6 +43,11 @@ class _Run:
     about: dict[str, Any]
     stream: Streamed | None = None
 
+    def follow(self) -> None:
+        """Write what has been sailed since."""
+        if self.stream is not None:
+            self.stream.follow()
+
 
 class EpisodeRecording:
     """Records episodes of a batch; a ``Watcher`` of it.
@@ -86,7 +91,7 @@ class EpisodeRecording:
         """See ``Watcher``: an episode that has not ended is cut short here."""
         left = [i for i in which.tolist() if i in self._runs]
         for i in left:
-            if self._log.lengths[self._runs[i].place] == 0:
+            if self._rows.lengths[self._runs[i].place] == 0:
                 self._forget(i)
         if left := [i for i in left if i in self._runs]:
             self._finish(left, cut_short=True)
@@ -108,14 +113,14 @@ class EpisodeRecording:
         """See ``Watcher``."""
         if not self._runs:
             return
-        self._log.after()
+        self._rows.after()
         terminated, truncated = self._batch.terminated, self._batch.truncated
         ended = [i for i in self._runs if terminated[i] or truncated[i]]
         if ended:
             self._finish(ended)
         due = [i for i, run in self._runs.items() if run.stream and run.stream.is_due()]
         if due:
-            self._each(due, lambda i: self._runs[i].stream.follow())
+            self._each(due, lambda i: self._runs[i].follow())
 
     def close(self) -> None:
         """Record no more; an episode that has not ended keeps its journal, if it is streamed."""
@@ -132,8 +137,8 @@ class EpisodeRecording:
             return
         if self._log is None:
             self._log = EpisodeLog(self._batch, len(wanted))
-        places = self._log.begin(np.array(list(wanted)))
-        self._log.before()
+        places = self._rows.begin(np.array(list(wanted)))
+        self._rows.before()
         for (i, number), place in zip(wanted.items(), places.tolist(), strict=True):
             name, about = self._name(i, number), self._about(i, number, fresh[i])
             conditions = conditions_of(self._batch, i, self._setting(i))
@@ -141,17 +146,24 @@ class EpisodeRecording:
         if self._options.streams:
             self._each(wanted, self._stream)
 
-    def _stream(self, i: int) -> None:
+    @property
+    def _rows(self) -> EpisodeLog:
+        """The log, which is there as soon as an episode is followed."""
+        assert self._log is not None
+        return self._log
+
+    def _stream(self, i: int) -> Streamed:
         """Open a file for an episode, one that is not there and that no other run writes."""
         run = self._runs[i]
-        parts = (self._log, run.place, run.conditions, run.about, self._options.picture)
+        parts = (self._rows, run.place, run.conditions, run.about, self._options.picture)
         for again in itertools.count(1):
             name = f"{run.name}-again-{again}.rrd" if again > 1 else f"{run.name}.rrd"
             file = self._options.folder / name
             if not (file.exists() or journal_path(file).exists()):
                 with contextlib.suppress(BeingWritten):  # since then, by another process
                     run.stream = Streamed(file, *parts)
-                    return
+                    return run.stream
+        raise AssertionError("there is always another name")
 
     def _setting(self, i: int) -> Setting:
         ship = self._batch.ships[i]
@@ -182,11 +194,11 @@ class EpisodeRecording:
 
     def _finish(self, ended: list[int], cut_short: bool = False) -> None:
         """Write what is kept of the episodes that are over, from the batch as it is now."""
-        self._log.end(np.array([self._runs[i].place for i in ended]))
+        self._rows.end(np.array([self._runs[i].place for i in ended]))
 
         def write(i: int) -> None:
             self._written(self._runs[i], -1 if cut_short else int(self._batch.outcomes[i]), i)
-            self._log.drop(np.array([self._runs.pop(i).place]))
+            self._rows.drop(np.array([self._runs.pop(i).place]))
 
         self._each(ended, write)
 
@@ -195,13 +207,13 @@ class EpisodeRecording:
         if run.stream is not None:
             run.stream.finish(outcome)
             return self._keep((False, 0.0), run.stream.path)
-        rows = self._log.part(run.place, 0, int(self._log.lengths[run.place]) + 1)
+        rows = self._rows.part(run.place, 0, int(self._rows.lengths[run.place]) + 1)
         trajectory = run.conditions.trajectory(rows, outcome, run.about)
         badness = self._badness(trajectory)
         if badness is not None and self._options.takes(trajectory):
-            self._stream(i)
-            run.stream.finish(outcome, trajectory)
-            self._keep(badness, run.stream.path)
+            stream = self._stream(i)
+            stream.finish(outcome, trajectory)
+            self._keep(badness, stream.path)
         return None
 
     def _badness(self, trajectory: Trajectory) -> Badness | None:
@@ -227,7 +239,7 @@ class EpisodeRecording:
         if dropped is not None:
             dropped.unlink(missing_ok=True)
 
-    def _each(self, which: Iterable[int], do: Callable[[int], None]) -> None:
+    def _each(self, which: Iterable[int], do: Callable[[int], object]) -> None:
         """Do something for some episodes; one that cannot be written is followed no more."""
         failed = None
         for i in list(which):
@@ -243,7 +255,7 @@ class EpisodeRecording:
         """Follow an episode no more; its journal stays."""
         run = self._runs.pop(i)
         _leave(run)
-        self._log.drop(np.array([run.place]))
+        self._rows.drop(np.array([run.place]))
 
     def __reduce__(self):
         """A copy of an environment records nothing: two cannot write the same files."""

@@ -110,8 +110,8 @@ class ShipVectorEnv(VectorEnv):
         self._streams = Streams(self.num_envs)
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
         self._everyone = np.ones(self.num_envs, dtype=np.bool_)
-        shown = self.num_envs if render_mode else 0
-        self._screens = [Screen(render_mode, self.episodes, i) for i in range(shown)]
+        shown = range(self.num_envs)
+        self._screens = [Screen(render_mode, self.episodes, i) for i in shown if render_mode]
         self._recording = None if record is None else recording_of(record, self)
 
     @property
@@ -124,13 +124,13 @@ class ShipVectorEnv(VectorEnv):
         """The ship of each environment."""
         return self.episodes.ships
 
-    @property
-    def np_random(self) -> tuple[np.random.Generator | None, ...]:
+    @property  # type: ignore[misc]  # has no setter: each environment is seeded by `reset`
+    def np_random(self) -> tuple[np.random.Generator | None, ...]:  # type: ignore[override]
         """Generator of each environment as it is now, a copy; None before the first reset."""
         return self._streams.generators()
 
     @property
-    def np_random_seed(self) -> tuple[int | None, ...]:
+    def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
         """Seed of each environment, seed + i; None before the first reset."""
         return tuple(self._streams.seeds)
 
@@ -162,7 +162,8 @@ class ShipVectorEnv(VectorEnv):
             raise ConfigError(
                 "render without a render mode: make the environments with render_mode='rgb_array'"
             )
-        return tuple(screen.picture() for screen in self._screens)
+        pictures = [screen.picture() for screen in self._screens]
+        return tuple(picture for picture in pictures if picture is not None)
 
     def elevation(self, x: Any, y: Any, t: Any = None, index: int = 0) -> np.ndarray:
         """Elevation of the sea of an environment at places and times [m], ``ShipSim.elevation``."""

@@ -118,8 +118,8 @@ class Weathers:
     def _waves_to(self, pick: np.ndarray, psi: np.ndarray, uniform: np.ndarray) -> np.ndarray:
         """Where the waves go to; of a measured spectrum as in the file, if it says so."""
         if self.sea.spectrum_north:
-            means = np.array([c.sea.spectrum.mean_direction for c in self._choices])
-            return means[pick]
+            spectra = [c.sea.spectrum for c in self._choices]
+            return np.array([s.mean_direction for s in spectra if s is not None])[pick]
         return self._direction(self.sea.wave_encounter_deg, psi, uniform)
 
     def _set_swell(self, records, which, pick, uniform, psi, tasks) -> None:

@@ -201,7 +201,9 @@ def _smoothed(problem: Problem, both: Beside) -> np.ndarray:
 
 def _actions(problem: Problem, pilot: Pilot, corrections: np.ndarray) -> np.ndarray:
     rows = np.arange(len(corrections))
-    return problem.sailings.sail(pilot, rows, corrections, keep_actions=True).actions
+    actions = problem.sailings.sail(pilot, rows, corrections, keep_actions=True).actions
+    assert actions is not None
+    return actions
 
 
 def _best(costs: Mapping[str, np.ndarray], actions: Mapping[str, np.ndarray]):

@@ -37,9 +37,9 @@ def ranked(
     """
     sign = 1.0 if check_known("better", better, ("lower", "higher")) == "lower" else -1.0
     lost = [False] * len(values) if failed is None else [bool(each) for each in failed]
-    there = [value is not None and not math.isnan(value) for value in values]
-    counted = [i for i in range(len(values)) if there[i] or lost[i]]
-    return sorted(counted, key=lambda i: (lost[i], sign * values[i] if there[i] else math.inf))
+    known = {i: v for i, v in enumerate(values) if v is not None and not math.isnan(v)}
+    counted = [i for i in range(len(values)) if i in known or lost[i]]
+    return sorted(counted, key=lambda i: (lost[i], sign * known[i] if i in known else math.inf))
 
 
 def chosen(
@@ -111,5 +111,5 @@ def extremes(
 
 def _told(seeds: Sequence[int], values: Sequence[float | None], i: int) -> dict[str, Any]:
     value = values[i]
-    known = value is not None and not math.isnan(value)
-    return {"seed": int(seeds[i]), "value": float(value) if known else None}
+    known = None if value is None or math.isnan(value) else float(value)
+    return {"seed": int(seeds[i]), "value": known}

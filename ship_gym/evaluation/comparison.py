@@ -145,7 +145,7 @@ def table(comparison: Mapping[str, Any], markdown: bool = False) -> str:
 def _judged_cell(difference: Mapping[str, float | None], better: str) -> str:
     """Cell of a paired difference; says better or worse where the interval leaves out zero."""
     low, high, text = difference["low"], difference["high"], _cell(difference)
-    if low is None or low <= 0.0 <= high:
+    if low is None or high is None or low <= 0.0 <= high:
         return text
     return f"{text} {'better' if (high < 0.0) == (better == 'lower') else 'worse'}"
 

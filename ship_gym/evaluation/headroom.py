@@ -126,7 +126,12 @@ def measure_cell(
     ConfigError
         No candidates, or a measure that cannot be scored.
     """
-    env = {"scenario": scenario, "ship": ship, "control": control, "parallel": False}
+    env: dict[str, Any] = {
+        "scenario": scenario,
+        "ship": ship,
+        "control": control,
+        "parallel": False,
+    }
     resolved, _ = resolved_scenario(scenario, ship, control, None, None, None)
     measure = _checked(resolved.task, measure)
     names = _ranked(candidates, measure, range(CHOICE, CHOICE + judged), env)
@@ -158,8 +163,12 @@ def measure_cell(
 
 def separates(difference: Paired | None, headroom: Estimate | None) -> bool:
     """Whether a cell can tell controllers apart, see `Cell`."""
-    tells = difference is not None and difference.low is not None
-    apart = tells and not difference.low <= 0.0 <= difference.high
+    apart = (
+        difference is not None
+        and difference.low is not None
+        and difference.high is not None
+        and not difference.low <= 0.0 <= difference.high
+    )
     return apart or (headroom is not None and headroom.low is not None and headroom.low > LEAST)
 
 

@@ -130,8 +130,8 @@ def checked(trajectory: Trajectory, file: Path) -> Recording:
     if file.suffix.lower() == RERUN and _metrics(Trajectory.from_rrd(file)) != live:
         raise OSError(f"{file}: the metrics of the file are not those of the episode")
     meta = trajectory.meta
-    told: Any = (meta[key] for key in ("controller", "seed", "outcome", "failed"))
-    return Recording(file, *told, live)
+    told = {key: meta[key] for key in ("controller", "seed", "outcome", "failed")}
+    return Recording(file, **told, metrics=live)
 
 
 def _metrics(trajectory: Trajectory) -> dict[str, float | None]:

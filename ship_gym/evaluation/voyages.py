@@ -214,7 +214,7 @@ class Sailings:
             action[:, rudder] = np.clip(action[:, rudder] + added[k], -1.0, 1.0)
             batch.step(action)
             error[k], delta[k] = batch.errors, batch.sim.state[:, DELTA]
-            if keep_actions:
+            if actions is not None:
                 actions[k] = action
             new = batch.terminated & (lengths > k + 1)
             if new.any():

@@ -96,6 +96,7 @@ def typed(rows: Any, host: np.ndarray, field: str | None, torch: Any) -> Any:
     if field is None:
         kind, inner, first = host.dtype, host.shape[1:], 0
     else:
+        assert host.dtype.fields is not None  # a record
         (kind, first), inner = host.dtype.fields[field][:2], ()
     count = int(np.prod(inner, dtype=np.int64))
     seen = rows[:, first : first + kind.itemsize * count]

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import contextlib
 import types
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numba import cuda
@@ -31,8 +31,10 @@ THREADS = 64  # of one block
 def one_lane(scratch: np.dtype) -> np.dtype:
     """Type of a scratch like ``physics.scratch.SCRATCH``, but for one ship: what a thread needs."""
     fields = []
-    for name in scratch.names:
-        kind, shape = scratch[name].subdtype
+    for name in scratch.names or ():
+        subdtype = scratch[name].subdtype
+        assert subdtype is not None  # all fields are arrays
+        kind, shape = subdtype
         fields.append((name, kind, (*shape[:-1], 1) if shape[-1] == LANES else shape))
     return record_type(fields)
 
@@ -75,7 +77,7 @@ def _kept_with_our_kernels() -> Iterator[None]:
         config.CACHE_DIR = before
 
 
-def kernel_of(task: Task, batch: Batch) -> Callable:
+def kernel_of(task: Task, batch: Batch) -> Any:
     """Kernel ``(values, n, counts)`` of a task for batches of this form.
 
     Its machine code is kept on disk if all of its sources are the package's: under a name that says

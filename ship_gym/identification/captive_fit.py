@@ -12,9 +12,9 @@ is repeated (Gauss-Newton).
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +22,7 @@ import numpy as np
 from ship_gym.captive import Condition, measure
 from ship_gym.config import ConfigError, ImplausibleShip
 from ship_gym.identification.captive_runs import FULL_DRIFT, read_runs
-from ship_gym.identification.estimate import Estimate, solve
+from ship_gym.identification.estimate import Estimate, leverages, solve
 from ship_gym.identification.numbers import DERIVATIVES, full_names, values_of, with_values
 from ship_gym.reports.captive_file import Measured
 from ship_gym.ships.particulars import Ship
@@ -67,8 +67,12 @@ class CaptiveFit:
         Runs left out: copies of others; beyond the largest drift or the polynomial's r', 1.2.
     drift : float
         The largest drift [rad].
-    silent : int
-        Coefficients left out, since none of the numbers changes them.
+    leverage : numpy.ndarray
+        Of the rows, shape (m,): how far each draws the fit to itself.
+    aside : tuple of Row
+        Coefficients that none of the numbers changes, left out.
+    aside_measured, aside_model : numpy.ndarray
+        Of those, as the ship has them before and after.
     """
 
     ship: Ship
@@ -81,8 +85,11 @@ class CaptiveFit:
     files: tuple[str, ...]
     copies: int
     outside: int
-    silent: int
     drift: float
+    leverage: np.ndarray
+    aside: tuple[Row, ...]
+    aside_measured: np.ndarray
+    aside_model: np.ndarray
 
 
 def fit_captive(
@@ -125,22 +132,25 @@ def fit_captive(
     asked = [row for row, _ in rows]
     if not any(name.startswith("propeller.") for name in names):
         data = data - _thrust_beyond(ship, [one for _, one in within], asked)
-    kept, estimate, model = _gauss_newton(ship, names, conditions, asked, data, each)
+    kept, estimate, model, leverage = _gauss_newton(ship, names, conditions, asked, data, each)
     fitted = with_values(ship, names, estimate.values)
     before = _model(ship, conditions, asked)
     return CaptiveFit(
         ship,
         fitted,
         estimate,
-        tuple(row for (row, _), keep in zip(rows, kept, strict=True) if keep),
+        tuple(itertools.compress(asked, kept)),
         data[kept],
         before[kept],
         model[kept],
         tuple(map(str, files)),
         copies,
         outside,
-        int((~kept).sum()),
         drift,
+        leverage,
+        tuple(itertools.compress(asked, ~kept)),
+        data[~kept],
+        model[~kept],
     )
 
 
@@ -151,8 +161,8 @@ def _gauss_newton(
     rows: list[Row],
     data: np.ndarray,
     each: Callable[[Iterable], Iterable],
-) -> tuple[np.ndarray, Estimate, np.ndarray]:
-    """Rows that tell something, the estimate, and the model with the numbers found."""
+) -> tuple[np.ndarray, Estimate, np.ndarray, np.ndarray]:
+    """Rows that tell something, the estimate, the model with it, and leverages of those rows."""
     start = values = values_of(ship, names)
     groups = np.array([row.axis for row in rows])
     for _ in range(_ROUNDS):
@@ -164,7 +174,8 @@ def _gauss_newton(
         close = np.maximum(_CLOSE * found.errors, _DIGITS * np.abs(values))
         if (np.abs(step) <= close).all() or _is_linear(names):
             model = _model(with_values(ship, names, values), runs, rows)
-            return kept, dataclasses.replace(found, start=start), model
+            leverage = leverages(J[kept], groups[kept], found.sigma)
+            return kept, dataclasses.replace(found, start=start), model, leverage
     raise ConfigError("the fit does not converge: fit fewer numbers, or start from other ones")
 
 
@@ -206,7 +217,7 @@ def _bundles(names: Sequence[str]) -> list[list[int]]:
     """Places of numbers to be moved together: a derivative of each axis, others alone."""
     alone = [[k] for k, name in enumerate(names) if not _axis_of(name)]
     queues = [[k for k, name in enumerate(names) if _axis_of(name) == a] for a in DERIVATIVES]
-    together = [[k for k in some if k is not None] for some in zip_longest(*queues)]
+    together = [[k for k in some if k is not None] for some in itertools.zip_longest(*queues)]
     return together + alone
 
 

@@ -14,6 +14,7 @@ from ship_gym.ships.particulars import Ship
 
 FULL_DRIFT = math.acos(COS_DRIFT_FULL)  # the polynomial's range in the simulation, 30 deg
 _ROUND = 1e-6  # of an angle [rad]
+_ENOUGH = 9  # digits of a row that no other row has by chance
 
 
 def read_runs(
@@ -46,18 +47,28 @@ def read_runs(
 
 def _in_range(run: Condition, drift: float) -> bool:
     """Whether the MMG polynomial is the whole of the hull's force in a run, and it is wanted."""
-    return abs(run.beta) <= drift + _ROUND and abs(run.yaw_rate) <= YAW_FULL
+    most = abs(run.beta) + math.atan(abs(run.sway))
+    return most <= drift + _ROUND and abs(run.yaw_rate) <= YAW_FULL
 
 
 def _different(runs: list[tuple[str, Measured]]) -> list[tuple[str, Measured]]:
     """Runs without those that an earlier file has, or an earlier row under another condition.
 
-    No two runs of a tank have all their digits in common: such a row was copied.
+    No two runs of a tank have all their digits in common: such a row was copied. But few values
+    of few digits may agree by chance, as the X of a drift to either side: there the condition has
+    to be the same too.
     """
     seen, kept = set(), []
     for file, one in runs:
-        key = tuple(sorted(one.values.items()))
+        values = tuple(sorted(one.values.items()))
+        told = sum(_digits(value) for value in one.values.values()) >= _ENOUGH
+        key = (values, None if told else one.condition)
         if key not in seen:
             seen.add(key)
             kept.append((file, one))
     return kept
+
+
+def _digits(value: float) -> int:
+    """Significant digits with which a number was written."""
+    return len(f"{abs(value):.15g}".partition("e")[0].replace(".", "").strip("0"))

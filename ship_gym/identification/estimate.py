@@ -9,7 +9,7 @@ is unbiased where each number belongs to one group. With W = 1 / sigma^2 the cov
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy import stats
@@ -63,16 +63,26 @@ class Estimate:
 
 
 def scatter(
-    jacobian: np.ndarray, residuals: np.ndarray, groups: np.ndarray
+    jacobian: np.ndarray,
+    residuals: np.ndarray,
+    groups: np.ndarray,
+    begin: Mapping[str, float] | None = None,
+    known: str = "",
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Standard deviation and degrees of freedom of each group; rows as in `solve`."""
-    sigma = dict.fromkeys(np.unique(groups).tolist(), 1.0)
+    """Standard deviation and degrees of freedom of each group; rows as in `solve`.
+
+    Parameters
+    ----------
+    begin : mapping, optional
+        Standard deviations to begin with; 1 if omitted.
+    known : str
+        A group whose standard deviation is 1, such as a number's own from elsewhere.
+    """
+    sigma = {name: (begin or {}).get(name, 1.0) for name in np.unique(groups).tolist()}
     freedom: dict[str, float] = {}
     for _ in range(_ROUNDS):
-        weight = np.array([1.0 / sigma[g] for g in groups.tolist()])
-        Q, _ = np.linalg.qr(jacobian * weight[:, None])
-        leverage = (Q * Q).sum(axis=1)
-        for name in sigma:
+        leverage = leverages(jacobian, groups, sigma)
+        for name in sigma.keys() - {known}:
             own = groups == name
             freedom[name] = float(own.sum() - leverage[own].sum())
             if freedom[name] < 0.5:
@@ -80,6 +90,13 @@ def scatter(
             square = float(residuals[own] @ residuals[own]) / freedom[name]
             sigma[name] = max(np.sqrt(square), 1e-15)
     return sigma, freedom
+
+
+def leverages(jacobian: np.ndarray, groups: np.ndarray, sigma: dict[str, float]) -> np.ndarray:
+    """How far each row draws the fit to itself, 0 to 1, shape (m,); their sum is the numbers'."""
+    weight = np.array([1.0 / sigma[g] for g in groups.tolist()])
+    Q, _ = np.linalg.qr(jacobian * weight[:, None])
+    return (Q * Q).sum(axis=1)
 
 
 def solve(
@@ -134,6 +151,17 @@ def spread(
     return errors, correlation, condition
 
 
+def of_some(
+    some: int, errors: np.ndarray, correlation: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Errors, correlation and condition of the first numbers, the others being found with them."""
+    inner = correlation[:some, :some]
+    normal = np.linalg.pinv(inner)
+    size = np.sqrt(np.diag(normal))
+    values = np.linalg.svd(normal / np.outer(size, size), compute_uv=False)
+    return errors[:some], inner, float(values[0] / max(values[-1], 1e-300))
+
+
 def check_told(names: Sequence[str], jacobian: np.ndarray) -> None:
     """Refuse numbers of which the data say nothing, alone or together."""
     size = np.linalg.norm(jacobian, axis=0)
@@ -144,5 +172,6 @@ def check_told(names: Sequence[str], jacobian: np.ndarray) -> None:
         raise ConfigError(f"{len(jacobian)} values for {len(names)} numbers: too few")
     _, s, V = np.linalg.svd(jacobian / size, full_matrices=False)
     if (s[0] / max(s[-1], 1e-300)) ** 2 > ILL:
-        mixed = [name for name, x in zip(names, V[-1], strict=True) if abs(x) > 0.3]
+        shares = np.abs(V[-1]) / np.abs(V[-1]).max()
+        mixed = [name for name, x in zip(names, shares, strict=True) if x > 0.2]
         raise ConfigError(f"the tests do not tell {', '.join(mixed)} apart: fit fewer of them")

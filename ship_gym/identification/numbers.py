@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def values_of(ship: Ship, names: Sequence[str]) -> np.ndarray:
     return np.array([getattr(getattr(ship, section), short) for section, _, short in parts])
 
 
-def with_values(ship: Ship, names: Sequence[str], values: Sequence[float]) -> Ship:
+def with_values(ship: Ship, names: Sequence[str], values: Iterable[float]) -> Ship:
     """The ship with other values, SI, of named numbers."""
     changes: dict[str, dict[str, float]] = {}
     for name, value in zip(names, values, strict=True):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ship_gym.identification import residuals
 from ship_gym.identification.captive_fit import CaptiveFit
 from ship_gym.identification.estimate import Estimate
 from ship_gym.identification.numbers import ranges_of
@@ -16,6 +16,7 @@ from ship_gym.physics.hull import YAW_FULL
 from ship_gym.text import paragraph, table
 
 _MILLE = 1e3
+_MOST = 5  # things of a kind that are named
 ALIKE = 0.9  # correlation from which two numbers are told to go together
 CAVEAT = (
     "Standard errors are those of the residuals' scatter, as if each coefficient erred by itself. "
@@ -55,24 +56,74 @@ def implausible(fit: CaptiveFit) -> list[str]:
     ]
 
 
+def advice(fit: CaptiveFit) -> str:
+    """What to look at where a fitted number is one that no ship has: one line."""
+    against = _against(fit)
+    signs = f"; of the other sign than the ship's own: {against}" if against else ""
+    return (
+        "look at signs, units, divisor and length (--help), fit fewer --numbers, or give other "
+        f"runs{signs}"
+    )
+
+
 def by_coefficient(fit: CaptiveFit) -> list[dict[str, Any]]:
-    """Root mean square of the residuals before and after, of each file and coefficient."""
-    keys = list(dict.fromkeys((row.file, row.name) for row in fit.rows))
-    found = []
-    for file, name in keys:
-        own = np.array([(row.file, row.name) == (file, name) for row in fit.rows])
-        data = fit.measured[own]
-        found.append(
-            {
-                "file": Path(file).name,
-                "coefficient": name,
-                "runs": int(own.sum()),
-                "largest": float(np.abs(data).max()),
-                "rms_before": _rms(data - fit.before[own]),
-                "rms_after": _rms(data - fit.after[own]),
-            }
+    """Residuals before and after of each file and coefficient."""
+    return residuals.by_coefficient(fit.rows, fit.measured, fit.before, fit.after)
+
+
+def _judged(fit: CaptiveFit) -> dict[str, Any]:
+    """What of the residuals wants a look: single coefficients, means, what is not fitted to."""
+    found = fit.estimate
+    left, largest = fit.measured - fit.after, float(np.abs(fit.measured).max())
+    spread = (found.sigma, found.freedom, largest)
+    far = residuals.far_off(fit.rows, left, fit.leverage, *spread)
+    return {
+        "far_off": [{"what": residuals.in_words(row), "deviations": s} for row, s in far],
+        "shifted": residuals.shifted(fit.rows, left, largest),
+        "not_fitted": residuals.not_fitted(
+            fit.aside, fit.aside_measured, fit.aside_model, found.sigma
+        ),
+    }
+
+
+def _judgement(fit: CaptiveFit) -> list[str]:
+    """The same in sentences."""
+    judged, lines = _judged(fit), []
+    if far := judged["far_off"]:
+        told = [f"{x['what']}: {x['deviations']:+.1f}" for x in far[:_MOST]]
+        lines.append(f"Far off the others, in standard deviations: {_some(told, far)}.")
+    if shifted := judged["shifted"]:
+        lines.append(
+            f"Residuals with a mean, x 1000: {_some(shifted[:_MOST], shifted)}; a gauge's offset, "
+            "or terms that the polynomial lacks."
         )
-    return found
+    if aside := judged["not_fitted"]:
+        told = [_aside(x) for x in aside[:_MOST]]
+        lines.append(
+            "Not fitted to, since no number changes it, and beyond the scatter (rms of measured "
+            f"minus computed, largest measured, x 1000): {_some(told, aside)}."
+        )
+    if against := _against(fit):
+        lines.append(f"Measured against the sign of the ship's own: {against}.")
+    return lines
+
+
+def _aside(x: dict[str, Any]) -> str:
+    sizes = f"{_MILLE * x['rms']:.2f} of {_MILLE * x['largest']:.2f}"
+    return f"{x['coefficient']} of {x['file']}, {sizes}"
+
+
+def _against(fit: CaptiveFit) -> str:
+    """What was measured against the sign of the ship that the fit began with, few of them."""
+    found = [
+        f"{x['coefficient']} of {x['file']}" for x in _judged(fit)["not_fitted"] if x["opposite"]
+    ]
+    return _some(found[:2], found)
+
+
+def _some(told: list[str], whole: list) -> str:
+    rest = len(whole) - len(told)
+    return "; ".join(told) + (f" and {rest} more" if rest else "")
 
 
 def estimate_as_dict(found: Estimate) -> dict[str, Any]:
@@ -109,7 +160,8 @@ def as_dict(fit: CaptiveFit) -> dict[str, Any]:
         "largest_drift_deg": math.degrees(fit.drift),
         "runs_twice": fit.copies,
         "runs_outside": fit.outside,
-        "coefficients_left_out": fit.silent,
+        "coefficients_left_out": len(fit.aside),
+        **_judged(fit),
         "implausible": implausible(fit),
     }
 
@@ -129,21 +181,6 @@ def number_table(found: Estimate, markdown: bool = False) -> str:
     ]
     header = ["number", "before", "fitted", "standard error", "95 % interval"]
     return table(header, rows, markdown=markdown)
-
-
-def residual_table(fit: CaptiveFit, markdown: bool = False) -> str:
-    """Residuals of each file and coefficient, times 1000."""
-    rows = [
-        [
-            x["file"],
-            x["coefficient"],
-            str(x["runs"]),
-            *(f"{_MILLE * x[k]:.2f}" for k in ("largest", "rms_before", "rms_after")),
-        ]
-        for x in by_coefficient(fit)
-    ]
-    header = ["file", "coefficient", "runs", "largest x 1000", "rms before", "rms after"]
-    return table(header, rows, left=2, markdown=markdown)
 
 
 def identifiability(found: Estimate) -> list[str]:
@@ -173,16 +210,19 @@ def as_text(fit: CaptiveFit, markdown: bool = False) -> str:
     )
     left = (
         f"Left out: {fit.copies} runs that stand twice, {fit.outside} beyond "
-        f"{math.degrees(fit.drift):.3g} deg of drift or r' of {YAW_FULL}, {fit.silent} "
+        f"{math.degrees(fit.drift):.3g} deg of drift or r' of {YAW_FULL}, {len(fit.aside)} "
         "coefficients that none of the numbers changes."
     )
     sigma = ", ".join(f"{k} {_MILLE * v:.2f}" for k, v in found.sigma.items())
     strange = [f"No ship has this: {line}." for line in implausible(fit)]
     scatter = f"Scatter of the residuals x 1000: {sigma}."
-    sentences = [left, *identifiability(found), scatter, *strange, CAVEAT]
-    parts = [head, "", number_table(found, markdown), "", residual_table(fit, markdown), ""]
+    sentences = [left, *identifiability(found), scatter, *_judgement(fit), *strange, CAVEAT]
+    parts = [
+        head,
+        "",
+        number_table(found, markdown),
+        "",
+        residuals.residual_table(by_coefficient(fit), markdown),
+        "",
+    ]
     return "\n".join([*parts, *map(say, sentences)])
-
-
-def _rms(values: Sequence[float] | np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))

@@ -31,7 +31,7 @@ class Unseen:
                 "measure": each.row.name,
                 "unit": each.row.unit,
                 "measured": each.row.measured,
-                "before": each.before.computed,
+                "before": each.before and each.before.computed,
                 "fitted": each.row.computed,
             }
             for each in self.found
@@ -70,6 +70,7 @@ def _table(found: Sequence[Comparison], markdown: bool) -> str:
     rows, last = [], ""
     for each in found:
         row, before = each.row, each.before
+        assert before is not None
         name, last = "" if each.trial == last else each.trial, each.trial
         values = [row.shown(row.measured), row.shown(before.computed), row.shown(row.computed)]
         gaps = [percent(before.difference), percent(row.difference)]

@@ -22,6 +22,7 @@ import contextlib
 import os
 import shutil
 import stat
+import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
@@ -129,14 +130,14 @@ def one_at_a_time(folder: str) -> Iterator[None]:
 
 
 def _lock(file: IO[str]) -> None:
-    try:
-        import fcntl
-    except ImportError:  # Windows
+    if sys.platform == "win32":
         import msvcrt
 
         file.seek(0)
         msvcrt.locking(file.fileno(), msvcrt.LK_LOCK, 1)
     else:
+        import fcntl
+
         fcntl.flock(file, fcntl.LOCK_EX)
 
 

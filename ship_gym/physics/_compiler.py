@@ -132,7 +132,7 @@ def _tried_loop() -> Any:
             total += through(values[i])
         return total
 
-    passed_on.composed = True
+    passed_on.__dict__["composed"] = True
     options = {"error_model": "numpy", "_nrt": False}
     twice, through = (
         keep_part(numba.njit(part, forceinline=True, **options, **PART))
@@ -153,7 +153,7 @@ def keep_code(function: Any) -> Any:
     writes it), and one would later run the code of the other. Code that cannot be saved, as on a
     full disk, serves this process all the same.
     """
-    cache = getattr(function, "_cache", None)
+    cache: Any = getattr(function, "_cache", None)
     if not (WORKS and hasattr(cache, "_load_overload") and hasattr(cache, "cache_path")):
         return function
     save = cache.save_overload

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import os
 from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +44,7 @@ Surrogate = namedtuple(
     "delta delta_step sin_delta cos_delta S_R J_min J_max beta_min beta_max epsilon_start "
     "epsilon_step beta_start beta_step law_std z_T z_Q z_S z_N z_A",
 )
-SECTIONS = {
+SECTIONS: dict[str, Any] = {
     "hull": Hull,
     "propeller": Propeller,
     "rudder": Rudder,
@@ -53,7 +54,7 @@ SECTIONS = {
     "open_water": OpenWater,
     "surrogate": Surrogate,
 }
-ShipParameters = namedtuple("ShipParameters", ("rho", *SECTIONS))
+ShipParameters = namedtuple("ShipParameters", ("rho", *SECTIONS))  # type: ignore[misc]
 # in the order of a ship's record behind its `kind`
 COLUMNS = (("rho",), *((name, field) for name, part in SECTIONS.items() for field in part._fields))
 N_PARAMETERS = len(COLUMNS)
@@ -70,7 +71,7 @@ ABSENT = {
     "torque_limit": {("engine", "torque_max"): np.inf},
     "astern": {("engine", "n_astern"): 0.0},
 }
-Traits = namedtuple("Traits", ("each", *ABSENT))
+Traits = namedtuple("Traits", ("each", *ABSENT))  # type: ignore[misc]  # computed
 """For each trait 1 if a ship of the batch has it, else None: a type to numba, so a constant."""
 
 

@@ -12,6 +12,7 @@ from ship_gym.plotting.figure import BLUE, FAINT, RED, TEAL, headline, picture
 from ship_gym.reports.handling import Handling, title
 from ship_gym.reports.manoeuvre import CONDITION
 from ship_gym.simulation import through_water
+from ship_gym.stability import Spiral
 
 
 def plot_handling(case: Handling, path: str | os.PathLike) -> None:
@@ -66,6 +67,7 @@ def _pull_out(figure: Figure, case: Handling) -> None:
 
 def _spiral(figure: Figure, case: Handling) -> None:
     """Steady yaw rate over the rudder angle, both branches, and amidships enlarged."""
+    assert isinstance(case.result, Spiral)
     delta, rate = np.degrees(case.result.delta), np.array(case.result.yaw_rate)
     half = len(delta) // 2
     whole, near = figure.subplots(1, 2)

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Annulus, Ellipse, Polygon
 
 from ship_gym.conventions import FORCES
+from ship_gym.manoeuvres import TurningCircle, ZigZag
 from ship_gym.plotting.figure import (
     BLUE,
     DASHED,
@@ -104,6 +105,7 @@ def _headline(figure: Figure, case: Case) -> None:
 def _track(axes: Axes, case: Case) -> None:
     """Track in ship lengths: east to the right, north up, with the measures of the circle."""
     result, L = case.result, case.ship.hull.L
+    assert isinstance(result, TurningCircle)
     t = result.trajectory
     side = math.copysign(1.0, case.delta)
     turned = np.degrees(np.abs(t["psi"]))
@@ -157,6 +159,7 @@ def _trial_marks(axes: Axes, case: Case, side: float) -> None:
     if "max_transfer" in measured:
         drawn += [axes.axvline(side * measured["max_transfer"], **line)]
     if "advance" in measured:
+        assert isinstance(case.result, TurningCircle)
         across = measured.get("transfer", case.result.transfer)
         bar = (bars.get("transfer"), bars.get("advance"))
         drawn += _diamond(axes, side * across, measured["advance"], *bar)
@@ -166,11 +169,11 @@ def _trial_marks(axes: Axes, case: Case, side: float) -> None:
         drawn += _diamond(axes, side * measured["tactical_diameter"], along, *bar)
     if "steady_diameter" in measured:
         north, east = _circle_centre(case)
-        size, bar = measured["steady_diameter"], bars.get("steady_diameter")
+        size, scatter = measured["steady_diameter"], bars.get("steady_diameter")
         drawn += [axes.add_patch(Ellipse((east, north), size, size, fill=False, **line))]
-        if bar:
-            width = {"width": bar, "facecolor": MEASURED, "alpha": 0.2}
-            axes.add_patch(Annulus((east, north), 0.5 * (size + bar), **width))
+        if scatter:
+            width = {"width": scatter, "facecolor": MEASURED, "alpha": 0.2}
+            axes.add_patch(Annulus((east, north), 0.5 * (size + scatter), **width))
     if drawn:
         label = "measured: " + ", ".join(_drawn_names(measured))
         drawn[0].set_label(label + ("; bars, band: 1 SD of facilities" if bars else ""))
@@ -179,9 +182,11 @@ def _trial_marks(axes: Axes, case: Case, side: float) -> None:
 
 def _measured(case: Case) -> tuple[dict[str, float], dict[str, float]]:
     """Measured values and standard deviations of the facilities, in units of display."""
-    compared = [row for row in rows(case) if row.measured is not None]
-    bars = {row.name: row.deviation for row in compared if row.deviation}
-    return {row.name: row.measured for row in compared}, bars
+    found = rows(case)
+    measured = {row.name: row.measured for row in found if row.measured is not None}
+    return measured, {
+        row.name: row.deviation for row in found if row.name in measured and row.deviation
+    }
 
 
 def _diamond(axes: Axes, x: float, y: float, x_bar: float | None, y_bar: float | None) -> list:
@@ -255,6 +260,7 @@ def _forces(axes: Axes, track: dict[str, np.ndarray], axis: str) -> None:
 
 def _overshoots(axes: Axes, case: Case) -> None:
     """Heading and rudder over time, each overshoot marked with its value."""
+    assert isinstance(case.result, ZigZag) and case.psi is not None
     t = case.result.trajectory
     psi, limit = np.degrees(t["psi"]), abs(math.degrees(case.psi))
     axes.plot(t["t"], psi, color=BLUE, label="heading psi")

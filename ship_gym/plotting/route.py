@@ -28,6 +28,7 @@ def plot_route(track: Track, path: str | os.PathLike) -> None:
     middle = 0.5 * (line[0].min() + line[0].max())
     across = np.ptp(line[1]) * np.cos(np.radians(middle))
     height = np.clip(_WIDTH * np.ptp(line[0]) / max(across, 1e-9), _LOWEST, _TALLEST)
+    assert track.route is not None
     with picture(path, _WIDTH, float(height)) as figure:
         axes = figure.subplots()
         axes.plot(line[1], line[0], color=BLUE)
@@ -50,11 +51,13 @@ def _places(track: Track, legs: np.ndarray, share: np.ndarray, aside: np.ndarray
     bearing = track.leg_bearings[legs]
     north, east = (start + share[:, None] * (end - start)).T
     north, east = north - aside * np.sin(bearing), east + aside * np.cos(bearing)
+    assert track.chart is not None
     latitude, longitude = track.chart.place(north, east, legs)
     return latitude, np.unwrap(longitude, period=360.0)
 
 
 def _limits(axes: Axes, track: Track, legs: np.ndarray, share: np.ndarray) -> None:
+    assert track.limits is not None  # as of every route
     for side, sign in enumerate((-1.0, 1.0)):
         limit = track.limits[legs, side]
         if np.isfinite(limit).any():
@@ -64,6 +67,7 @@ def _limits(axes: Axes, track: Track, legs: np.ndarray, share: np.ndarray) -> No
 
 
 def _waypoints(axes: Axes, track: Track, first: float) -> None:
+    assert track.route is not None
     points = track.route.waypoints
     turns = [geodesy.short_way(a.longitude, b.longitude) for a, b in itertools.pairwise(points)]
     longitude = first + np.concatenate([[0.0], np.cumsum(turns)])

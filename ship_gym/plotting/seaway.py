@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
 from ship_gym.conventions import FORCES
+from ship_gym.manoeuvres import TurningCircle
 from ship_gym.plotting.figure import (
     AMBER,
     BLUE,
@@ -56,6 +57,7 @@ def plot_turning_in_waves(case: Case, path: str | os.PathLike) -> None:
     path : path-like
         PNG file; an interrupted write leaves an existing one as it was.
     """
+    assert case.calm is not None
     waves, calm = _shown(case.result.trajectory), _shown(case.calm.trajectory)
     with picture(path, 12.5, 9.0) as figure:
         name, _, rest = title(case).partition(": ")
@@ -102,10 +104,11 @@ def _tracks(axes: Axes, case: Case, waves: dict, calm: dict) -> None:
     arrow = {"arrowstyle": "-|>", "color": RED, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", end, start, arrowprops=arrow, zorder=6)
     _measured_drift(axes, case, start)
-    result = case.result
+    result, still = case.result, case.calm
+    assert isinstance(result, TurningCircle) and isinstance(still, TurningCircle)
     towards = math.degrees(result.drift_direction) % 360.0
     text = f"drift, 180 to 540 deg:\n{result.drift_distance:.2f} L to {towards:.0f} deg"
-    text += f"\n(calm water {case.calm.drift_distance:.2f} L)"
+    text += f"\n(calm water {still.drift_distance:.2f} L)"
     side = math.copysign(1.0, case.delta)
     place, align = (0.98, "right") if side > 0.0 else (0.02, "left")
     style = {"ha": align, "va": "bottom", "color": RED, "transform": axes.transAxes}

@@ -93,6 +93,7 @@ def draw_surfaces(
     figure: Figure, cells: Mapping[str, Axes], ship: Ship, side: str, fit: Fit | None
 ) -> None:
     """Surfaces of some quantities of one side with the samples on them."""
+    assert ship.surrogate is not None
     box = ship.surrogate.card["domain"]
     grid = map_axes(box)
     found = responses(ship, *grid, side)
@@ -146,6 +147,7 @@ def draw_force_map(figure: Figure, axes: Axes, ship: Ship) -> None:
 
 def _held_out(axes: Axes, ship: Ship, side: str) -> None:
     """Errors on the held-out points, as bars by quantity."""
+    assert ship.surrogate is not None
     errors = ship.surrogate.card["held_out_errors_percent"][side]
     points = ship.surrogate.card["held_out_points"]
     axes.set_title(

@@ -39,10 +39,11 @@ def difference(ship: Ship, other: Ship, count: int = _COUNT) -> tuple[tuple, dic
     ConfigError
         One has no surrogate, or they are not of the same propellers and rudders.
     """
+    cards = []
     for one in (ship, other):
         if one.surrogate is None:
             raise ConfigError(f"{one.name}: has no surrogate to compare; name two, e.g. G2_SA")
-    cards = [one.surrogate.card for one in (ship, other)]
+        cards.append(one.surrogate.card)
     sides = [list(card["models"]) for card in cards]
     if sides[0] != sides[1]:
         raise ConfigError(f"surrogates of {sides[0]} and of {sides[1]}: cannot be compared")
@@ -81,6 +82,7 @@ def plot_difference(ship: Ship, other: Ship, path: str | os.PathLike) -> dict[st
         Propeller and rudder to quantity to ``mean`` and ``largest`` [%].
     """
     grid, found = difference(ship, other)
+    assert ship.surrogate is not None
     box = ship.surrogate.card["domain"]
     inside = np.ix_(
         (grid[1] >= box["beta_min"]) & (grid[1] <= box["beta_max"]),

@@ -82,6 +82,7 @@ def response(ship: Ship, J: float, beta: float, side: str = "single") -> dict[st
 
 def responses(ship: Ship, J: np.ndarray, beta: np.ndarray, side: str = "single") -> np.ndarray:
     """`response` at every pair, object array of shape (len(beta), len(J))."""
+    assert ship.surrogate is not None
     made = fleet([as_computed(ship)])
     record, tables = made.records[0], Tables(made.open_water[0], made.deflected[0])
     mirror = -1.0 if side == WINDWARD else 1.0

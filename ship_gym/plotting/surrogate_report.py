@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import os
 from collections.abc import Mapping
@@ -57,12 +58,12 @@ def report_pictures(fit: Fit, ship: Ship, data: Mapping[str, Any]) -> dict[str, 
         of = "" if side == "single" else f", {side} propeller and rudder"
         if fit.training[side].values or fit.validation[side].values:
             text = f"Model against CFD{of}. Bars: one standard deviation of the model."
-            found["parity"].append(for_page(text, lambda p, s=side: plot_parity(fit, s, p)))
+            found["parity"].append(for_page(text, functools.partial(plot_parity, fit, side)))
         text = f"At the trained angle, as the simulation evaluates it{of}{legend(fit)}."
-        found["surfaces"].append(for_page(text, lambda p, s=side: plot_surfaces(fit, ship, s, p)))
+        found["surfaces"].append(for_page(text, functools.partial(plot_surfaces, fit, ship, side)))
         if relative_std(fit, side, fit.training[side].X):
             text = f"Standard deviation in percent of the range of the training values{of}."
-            found["std"].append(for_page(text, lambda p, s=side: plot_std(fit, s, p)))
+            found["std"].append(for_page(text, functools.partial(plot_std, fit, side)))
     text = (
         "Side force of the rudder in pure drift at nominal speed and propulsion. A kink over the "
         "rudder angle would be a jump in its slope. The bend of the map at zero drift is the law's "

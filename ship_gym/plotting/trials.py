@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 
 from ship_gym.plotting.figure import BLUE, FAINT, INK, MEASURED, headline, picture
-from ship_gym.reports.measures import DIRECTIONS
+from ship_gym.reports.measures import DIRECTIONS, Row
 from ship_gym.reports.trials import Comparison, summary_text
 
 _LINE = 0.19  # inches for each measure
@@ -51,23 +51,25 @@ def plot_trials(
 def _mark(axes: Axes, each: Comparison, y: float) -> None:
     """One measure: scatter as a bar about zero, before open, now filled."""
     row = each.row
+    assert row.measured is not None
     axes.text(_NAMES, y, f"    {row.label.strip()}", fontsize=8, va="center", zorder=6)
     if row.deviation:
         share = 100.0 * row.deviation / abs(row.measured)
         style = {"color": MEASURED, "elinewidth": 1.4, "capsize": 3.0, "zorder": 3}
         axes.errorbar(0.0, y, xerr=share, fmt="none", **style)
         axes.barh(y, 4.0 * share, 0.7, -2.0 * share, color=MEASURED, alpha=0.2, zorder=2)
-    now = _inside(row.difference)
+    now = _inside(row)
     if each.before is not None:
-        then = _inside(each.before.difference)
+        then = _inside(each.before)
         axes.plot([then, now], [y, y], color=FAINT, linewidth=0.9, zorder=3)
         style = {"markerfacecolor": "white", "markeredgecolor": FAINT}
         axes.plot(then, y, "o", markersize=5, **style, zorder=4)
     axes.plot(now, y, "D", color=BLUE, markersize=4.5, zorder=5)
 
 
-def _inside(value: float) -> float:
-    return min(max(value, -_WIDEST), _WIDEST)
+def _inside(row: Row) -> float:
+    assert row.difference is not None  # as it was measured
+    return min(max(row.difference, -_WIDEST), _WIDEST)
 
 
 def _finish(axes: Axes, y: float, before: str) -> None:

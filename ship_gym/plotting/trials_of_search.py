@@ -19,6 +19,7 @@ _FAR = 4.0  # a score this many times the median ends the axis: a failed run may
 
 # number, score (None: none), complete, values by name
 Row = tuple[int, float | None, bool, Mapping[str, Any]]
+_Known = tuple[int, float, bool, Mapping[str, Any]]
 
 
 def plot_search(
@@ -39,7 +40,7 @@ def plot_search(
         PNG to write.
     title : str
     """
-    known = [row for row in rows if row[1] is not None]
+    known: list[_Known] = [(k, v, whole, of) for k, v, whole, of in rows if v is not None]
     names = list(dict.fromkeys(name for row in known for name in row[3]))
     lines = math.ceil((1 + len(names)) / _COLUMNS)
     with picture(path, 11.0, 0.7 + 2.3 * lines) as figure:
@@ -54,7 +55,7 @@ def plot_search(
         headline(figure, title, "filled: complete trials; hollow: pruned, the score shown last")
 
 
-def _scatter(axes: Axes, x: Sequence[float], rows: Sequence[Row]) -> None:
+def _scatter(axes: Axes, x: Sequence[float], rows: Sequence[_Known]) -> None:
     for complete, face in ((True, BLUE), (False, "none")):
         own = [(a, row[1]) for a, row in zip(x, rows, strict=True) if row[2] is complete]
         if own:
@@ -62,7 +63,7 @@ def _scatter(axes: Axes, x: Sequence[float], rows: Sequence[Row]) -> None:
             axes.scatter(*zip(*own, strict=True), s=18, linewidths=0.9, **style)
 
 
-def _draw_history(axes: Axes, rows: Sequence[Row], lower: bool) -> None:
+def _draw_history(axes: Axes, rows: Sequence[_Known], lower: bool) -> None:
     """Scores in the order of the trials, and the best so far."""
     _scatter(axes, [row[0] for row in rows], rows)
     complete = [row for row in rows if row[2]]
@@ -74,9 +75,9 @@ def _draw_history(axes: Axes, rows: Sequence[Row], lower: bool) -> None:
     axes.set_xlabel("trial")
 
 
-def _draw_values(axes: Axes, rows: Sequence[Row], name: str) -> None:
+def _draw_values(axes: Axes, rows: Sequence[_Known], name: str) -> None:
     """Scores over one hyperparameter; choices that are no numbers stand side by side."""
-    values = [row[3].get(name) for row in rows]
+    values: list[Any] = [row[3].get(name) for row in rows]
     numbers = all(isinstance(value, int | float) for value in values)
     if numbers:
         x = values

@@ -121,15 +121,21 @@ def labels(trajectories: Sequence[Trajectory]) -> list[str]:
     return [f"{name or 'run'} ({k})" for k, name in enumerate(found, start=1)]
 
 
+def _error(run: Trajectory) -> np.ndarray:
+    found = task_error(run)
+    assert found is not None
+    return found.values
+
+
 def quantities(runs: Sequence[Run]) -> list[Quantity]:
     """What all runs have of error or heading, rudder, speed and reward."""
-    errors = [task_error(run.trajectory) for run in runs]
+    errors = [error for run in runs if (error := task_error(run.trajectory)) is not None]
     found = []
-    if None not in errors and len({(error.label, error.unit) for error in errors}) == 1:
+    if len(errors) == len(runs) and len({(error.label, error.unit) for error in errors}) == 1:
         label, unit, turn = errors[0].label, errors[0].unit, errors[0].stepped
         title = f"{label[0].upper()}{label[1:]} [{unit}]"
         title += ", + to starboard" if errors[0].sided else ""
-        found.append(Quantity("error", title, lambda run: task_error(run).values, turn))
+        found.append(Quantity("error", title, _error, turn))
     else:
         title = "Heading without jumps [deg]"
         found.append(

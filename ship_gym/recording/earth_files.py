@@ -6,8 +6,9 @@ import datetime
 import hashlib
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -87,7 +88,7 @@ def _gpx(trajectory: Trajectory, places, chart: Chart, start) -> str:
     track = GPXTrack(name=run_name(trajectory.meta))
     file.tracks.append(track)
     track.segments.append(segment)
-    times = _times(trajectory, start) or [None] * len(trajectory)
+    times: Sequence[Any] = _times(trajectory, start) or [None] * len(trajectory)
     for lat, lon, time in zip(*_rounded(*places), times, strict=True):
         segment.points.append(GPXTrackPoint(lat, lon, time=time))
     return file.to_xml(version="1.1") + "\n"
@@ -99,7 +100,7 @@ def _geojson(trajectory: Trajectory, places, chart: Chart, start) -> str:
     lines = [_positions(part) for part in parted_at_antimeridian(*places)]
     one = len(lines) == 1
     meta = trajectory.meta
-    properties = {
+    properties: dict[str, Any] = {
         "name": run_name(meta),
         "description": voyage_mark(trajectory),
         "units": "deg",

@@ -82,8 +82,8 @@ def box_mesh(low: tuple, high: tuple) -> tuple[np.ndarray, np.ndarray]:
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
-    low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
-    return low + corners * (high - low), np.array(triangles)
+    start = np.asarray(low, dtype=float)
+    return start + corners * (np.asarray(high, dtype=float) - start), np.array(triangles)
 
 
 def merge(*meshes: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
@@ -143,7 +143,8 @@ def smooth_shaded(
     key = np.round(np.concatenate([corners, paint, surface], axis=1), 9)
     _, first, index = np.unique(key, axis=0, return_index=True, return_inverse=True)
     index = index.reshape(-1)
-    mean = np.stack([np.bincount(index, normals[:, k]) for k in range(3)], axis=1)
+    sums = [np.bincount(index, normals[:, k]) for k in range(3)]
+    mean = np.stack(sums, axis=1, dtype=np.float64)
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
     return corners[first], index.reshape(-1, 3), mean, paint[first]
 

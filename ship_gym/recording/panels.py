@@ -133,7 +133,9 @@ def _in_waves(columns: Columns, name: str) -> bool:
 def _own_panels(columns: Columns, meta: Mapping[str, Any]) -> list[Panel]:
     """Plots of the task's own, the error with its limits."""
     error = meta.get("error")
-    labels = {error.get("column"): error.get("label")} if isinstance(error, Mapping) else {}
+    labels: dict[Any, Any] = {}
+    if isinstance(error, Mapping):
+        labels[error.get("column")] = error.get("label")
     found = _filled(
         *(
             Panel(f"plots/{name}", title, _plain(columns, *names, labels=labels))
@@ -271,10 +273,10 @@ def _plain(
     columns: Columns, *names: str, labels: Mapping[str, str | None] | None = None
 ) -> list[Series]:
     """Draw the columns `names` under their own names, or their labels."""
-    names = [name for name in names if name in columns]
+    there = [name for name in names if name in columns]
     return [
         Series((labels or {}).get(name) or name, columns[name], color)
-        for name, color in zip(names, PALETTE * 9, strict=False)
+        for name, color in zip(there, PALETTE * 9, strict=False)
     ]
 
 

@@ -175,11 +175,11 @@ def flow_arrows(columns: Columns, length: float, meta: Mapping | None = None) ->
             flow = origin + np.pi, share
             found.append(_incoming("wind", text, *flow, length, _WIND, _PINK))
     if {"current_speed", "current_direction_to"} <= columns.keys():
-        speed, to = columns["current_speed"], columns["current_direction_to"]
+        speed, way = columns["current_speed"], columns["current_direction_to"]
         share = _share(speed, _STRONG_CURRENT * scale)
         if share.any():
-            text = f"current {speed.mean():.2f} m/s to {bearing(to[0])}"
-            found.append(_incoming("current", text, to, share, length, _CURRENT, _GREEN))
+            text = f"current {speed.mean():.2f} m/s to {bearing(way[0])}"
+            found.append(_incoming("current", text, way, share, length, _CURRENT, _GREEN))
     return found
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import re
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ship_gym.config import ConfigError, check_known, shown
 from ship_gym.recording.library import COLUMNS, NUMBERS, Run, metric_names
@@ -83,6 +83,8 @@ def chosen(runs: Sequence[Run], conditions: Sequence[str]) -> list[Run]:
 def ordered(runs: Sequence[Run], by: str, reverse: bool = False) -> list[Run]:
     """The runs by a column or metric, small ones first; those that lack it are last."""
     check_known("field to sort by", by, [*COLUMNS, *metric_names(runs)])
-    having = [run for run in runs if run.value(by) is not None]
-    lacking = [run for run in runs if run.value(by) is None]
-    return [*sorted(having, key=lambda run: run.value(by), reverse=reverse), *lacking]
+    values: list[Any] = [run.value(by) for run in runs]
+    having = [i for i, value in enumerate(values) if value is not None]
+    lacking = [run for run, value in zip(runs, values, strict=True) if value is None]
+    ranked = sorted(having, key=lambda i: values[i], reverse=reverse)
+    return [*(runs[i] for i in ranked), *lacking]

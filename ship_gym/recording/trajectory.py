@@ -234,7 +234,7 @@ def _check_time(t: np.ndarray) -> None:
         raise ValueError(f"column 't' does not increase at row {row}: {t[row - 1]} then {t[row]}")
 
 
-def plain(value: object, where: str) -> object:
+def plain(value: object, where: str) -> Any:
     """Turn `value` into what JSON gives back, so that a round trip is exact, or say why not."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()

@@ -146,7 +146,7 @@ def _grid(along, across, far: float, main: float, waves, height: float, step: fl
     sides = (ring + 4, (ring + 1) % 4 + 4, (ring + 1) % 4, ring)
     unit = 10.0 ** math.floor(math.log10(along[-1] / 500.0))  # round places pack better
     x, y = (np.rint(part / unit) * unit for part in _turned(a, b, main))
-    edge = np.rint(np.stack(_turned(*rim.T, main), axis=1) / unit) * unit
+    edge = np.rint(np.stack(_turned(rim[:, 0], rim[:, 1], main), axis=1) / unit) * unit
     flat = np.column_stack([edge, np.zeros(len(edge))])
     return Grid(x, y, inner, _halves(*quads), flat, _halves(*sides), waves, height, step)
 

@@ -100,14 +100,21 @@ def camera_for(scene: Scene, width: float, height: float) -> Camera:
 
 def foot(scene: Scene) -> np.ndarray:
     """Place on the active leg that is nearest to the ship, north, east [m], shape (2,)."""
-    return _foot_on(*scene.track[scene.active_leg : scene.active_leg + 2], scene.position)
+    start, end = _way(scene)[scene.active_leg : scene.active_leg + 2]
+    return _foot_on(start, end, scene.position)
 
 
 def nearest_foot(scene: Scene) -> np.ndarray:
     """The same on the previous, the active or the next leg, whichever is nearest, shape (2,)."""
-    about = scene.track[max(scene.active_leg - 1, 0) : scene.active_leg + 3]
+    about = _way(scene)[max(scene.active_leg - 1, 0) : scene.active_leg + 3]
     feet = [_foot_on(a, b, scene.position) for a, b in itertools.pairwise(about)]
     return min(feet, key=lambda place: math.dist(place, scene.position))
+
+
+def _way(scene: Scene) -> np.ndarray:
+    """Way-points of a scene with a track."""
+    assert scene.track is not None
+    return scene.track
 
 
 def _foot_on(start: np.ndarray, end: np.ndarray, position: np.ndarray) -> np.ndarray:
@@ -121,7 +128,7 @@ def _foot_on(start: np.ndarray, end: np.ndarray, position: np.ndarray) -> np.nda
 def way_ahead(scene: Scene, distance: float) -> np.ndarray:
     """Place on the track `distance` [m] beyond the foot, or its last way-point."""
     here = foot(scene)
-    for point in scene.track[scene.active_leg + 1 :]:
+    for point in _way(scene)[scene.active_leg + 1 :]:
         leg = float(np.hypot(*(point - here)))
         if leg >= distance > 0.0:
             return here + distance / leg * (point - here)

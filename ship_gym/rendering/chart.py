@@ -101,6 +101,7 @@ def _draw_order(canvas: Canvas, camera: Camera, scene: Scene) -> None:
     """Rays of the ordered heading and of the errors that end the episode."""
     centre, unit = camera.place(scene.position), scene.L * camera.scale
     order, reach = scene.psi_ordered, 1.6 * unit
+    assert order is not None
     if scene.heading_limit is not None:
         for side in (-1.0, 1.0):
             ray = toward(order + side * scene.heading_limit)
@@ -137,14 +138,14 @@ def _draw_limits(canvas: Canvas, camera: Camera, scene: Scene, track: np.ndarray
     """Limit and corridor beside the active leg; of legs with their own, beside those about it."""
     leg, corridor, limit = scene.active_leg, scene.corridor, scene.cross_track_limit
     if scene.leg_limits is None:
-        legs, beside = [leg], np.array([[corridor or 0.0] * 2])
+        legs, beside = range(leg, leg + 1), np.array([[corridor or 0.0] * 2])
     else:
         legs = range(max(leg - _LEGS_ABOUT, 0), min(leg + _LEGS_ABOUT, len(track) - 1))
         beside = scene.leg_limits[legs[0] : legs[-1] + 1]
     for k, own in zip(legs, beside.tolist(), strict=True):
         ends = track[k : k + 2]
         if limit is not None:
-            farther = limit / corridor if scene.leg_limits is not None else 0.0
+            farther = limit / corridor if corridor and scene.leg_limits is not None else 0.0
             aside = [farther * side for side in own] if farther else [limit, limit]
             _draw_beside(canvas, camera, ends, aside, RED)
         if corridor is not None:

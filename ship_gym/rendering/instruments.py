@@ -87,9 +87,10 @@ def _draw_mark(canvas: Canvas, centre, radius: float, order: float) -> None:
 def _draw_angles(canvas: Canvas, scene: Scene, x: float, right: float) -> None:
     """Heading, order, error and what the waves add, as numbers."""
     rows = [("Heading", f"{math.degrees(scene.state[PSI]) % 360.0:05.1f}{DEGREE}", INK)]
-    if scene.psi_ordered is not None:
+    error = scene.heading_error
+    if scene.psi_ordered is not None and error is not None:
         rows.append(("Ordered", f"{math.degrees(scene.psi_ordered) % 360.0:05.1f}{DEGREE}", BLUE))
-        rows.append(("Error", _degrees(scene.heading_error), INK))
+        rows.append(("Error", _degrees(error), INK))
     u, v = scene.water_velocity
     rows.append(("Drift angle", _degrees(math.atan2(-v, u)), INK))
     if scene.wave_height > 0.0:

@@ -125,10 +125,11 @@ class Scene:
         _check_shape("command", self.command, (N_COMMANDS,))
         _check_shape("wake", self.wake, (len(self.wake), 2))
         if self.track is not None:
-            self._check_track(len(self.track))
+            self._check_track(self.track)
 
-    def _check_track(self, count: int) -> None:
-        _check_shape("track", self.track, (count, 2))
+    def _check_track(self, track: np.ndarray) -> None:
+        count = len(track)
+        _check_shape("track", track, (count, 2))
         if count < 2:
             raise ConfigError(f"a track needs at least 2 way-points, it has {count}")
         if not 0 <= self.active_leg < count - 1:
@@ -144,6 +145,7 @@ class Scene:
 
         Of a planned turn, which is several pieces, that in its middle.
         """
+        assert self.track is not None
         count = len(self.track)
         if self.leg_of is None:
             return list(range(count))

@@ -128,9 +128,10 @@ def measure(
     for fraction in fractions:
         headings, seconds = sail(ship, condition, fraction)
         error = np.degrees(np.abs(headings - exact)).max(axis=0)
-        sizes = (float(np.quantile(error, share)) for share in (0.5, 0.9, 1.0))
+        half, most, largest = (float(np.quantile(error, share)) for share in (0.5, 0.9, 1.0))
         step = fraction * default_step(ship)
-        found.append(Point(ship.name, condition.name, fraction, step, *sizes, seconds))
+        errors = half, most, largest
+        found.append(Point(ship.name, condition.name, fraction, step, *errors, seconds))
     return found
 
 

@@ -38,11 +38,12 @@ def steady_balance(ship: Ship, trajectory: Trajectory) -> dict[str, tuple[float,
         hull, propeller, rudder, inertia and their sum.
     """
     mean = last_turn(trajectory)
-    balance = {k: tuple(mean[f"{axis}_{k}"] for axis in "XYN") for k in _COMPONENTS}
+    balance = {k: (mean[f"X_{k}"], mean[f"Y_{k}"], mean[f"N_{k}"]) for k in _COMPONENTS}
     centripetal, offset = inertia_terms(ship, mean["u"], mean["v"], mean["r"])
     u, r, inertia = mean["u"], mean["r"], ship.inertia
     balance["inertia"] = (centripetal + offset, -inertia.m_u * u * r, -inertia.m_xG * u * r)
-    balance["sum"] = tuple(float(s) for s in np.sum(list(balance.values()), axis=0))
+    X, Y, N = np.sum(list(balance.values()), axis=0).tolist()
+    balance["sum"] = X, Y, N
     return balance
 
 

@@ -4,24 +4,30 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
 
 from ship_gym.captive import AXES, PARTS, Condition
 from ship_gym.config import ConfigError, check_number, shown
-from ship_gym.csv_file import read_csv
+from ship_gym.csv_file import CsvTable, read_csv
 from ship_gym.plain_csv import read_plain_csv
 from ship_gym.reading import read_text
 from ship_gym.ships.particulars import Ship
 
 _NEEDED = ("speed", "n")
-_MOTIONS = ("beta", "delta", "yaw_rate", "frequency")
+_SI = {"speed": "m/s", "n": "rev/s", "beta": "rad", "delta": "rad", "yaw_rate": "-", "sway": "-"}
+_MOTIONS = ("beta", "delta", "yaw_rate", "sway", "frequency")
+_CYCLES = {"1/s": 1.0, "Hz": 1.0, "rev/s": 1.0, "rad/s": 0.5 / math.pi}  # of a frequency
 FORCES = (*AXES, *(f"{axis}_{part}" for axis in AXES for part in PARTS))
 # what HMRI's files call them; forces follow by rule
 _HMRI_NAMES = {"rps": "n", "r": "yaw_rate", "freq.": "frequency", "freq": "frequency"}
+_COURSE = 60.0  # [deg] that the course of a swinging model may swing to either side
 _HMRI_LENGTH = 320.0 / 46.426  # [m]
+# words that are meant to be, and are not, that of the line with the length
+_LENGTHS = ("l", "lpp", "l_pp", "lbp", "lwl", "l_wl", "model length", "scale", "scale ratio")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -44,10 +50,11 @@ def read_measured(path: str | Path, ship: Ship) -> list[Measured]:
 
     Our own form starts as every data file does (``csv_file.read_csv``) and may have a line
     ``# length: 6.893``, the model's own [m]. Its columns are ``speed [m/s]`` and ``n [rev/s]``,
-    the motion (``beta [deg]``, ``delta [deg]``, ``yaw_rate [-]``, ``frequency [1/s]``; one that is
-    not there is zero) and coefficients by 1/2 rho L d U^2, moments by that times L: ``X [-]``,
-    ``Y [-]``, ``N [-]``, thrust ``T [-]``, or their harmonics (``Y_out [-]``), signs as here. A
-    file of HMRI's captive tests (SIMMAN 2014) is known by its first line.
+    the motion (``beta [deg]``, ``delta [deg]``, ``yaw_rate [-]``, ``sway [-]``,
+    ``frequency [1/s]``; one that is not there is zero) and coefficients by 1/2 rho L d U^2,
+    moments by that times L: ``X [-]``, ``Y [-]``, ``N [-]``, thrust ``T [-]``, or their harmonics
+    (``Y_out [-]``), signs as here. A file of HMRI's captive tests (SIMMAN 2014) is known by its
+    first line.
 
     Raises
     ------
@@ -58,18 +65,34 @@ def read_measured(path: str | Path, ship: Ship) -> list[Measured]:
     hmri = "captive tests in deep water at HMRI" in text.partition("\n")[0]
     length, rows = _hmri(path, ship) if hmri else _own(path, ship)
     root = math.sqrt(ship.hull.L / length)
-    return [_measured(path, line, row, root) for line, row in rows]
+    return [_measured(path, line, row, root, ship.hull.L) for line, row in rows]
 
 
-def _measured(path: str | Path, line: int, row: Mapping[str, float], root: float) -> Measured:
+def _measured(
+    path: str | Path, line: int, row: Mapping[str, float], root: float, L: float
+) -> Measured:
     """One run from its columns in SI; `root` is that of the ratio of lengths, ship by model."""
-    motion = {key: row.get(key, 0.0) for key in ("beta", "delta", "yaw_rate")}
+    motion = {key: row.get(key, 0.0) for key in ("beta", "delta", "yaw_rate", "sway")}
     omega = 2.0 * math.pi * row.get("frequency", 0.0) / root
     try:
         run = Condition(row["speed"] * root, row["n"] / root, omega=omega, **motion)
     except ConfigError as error:
         raise ConfigError(f"{path}:{line}: {error}") from None
+    _check_kind(f"{path}:{line}", run, [key for key in row if key in FORCES], L)
     return Measured(run, {key: row[key] for key in FORCES if key in row})
+
+
+def _check_kind(where: str, run: Condition, names: Sequence[str], L: float) -> None:
+    """Refuse harmonics of a steady run, the reverse, and a course that swings too far."""
+    swings = run.omega > 0.0
+    if wrong := [name for name in names if (name in AXES) == swings]:
+        steady = "harmonics are of a swinging model: needs a 'frequency [1/s]' above zero"
+        told = "a swinging model has harmonics, as in 'Y_out [-]'" if swings else steady
+        raise ConfigError(f"{where}: {wrong[0]}: {told}")
+    if swings:
+        course = abs(run.yaw_rate) * run.speed / (L * run.omega)
+        what = f"{where}: course angle by yaw_rate and frequency"
+        check_number(what, math.degrees(course), 0.0, _COURSE, "deg")
 
 
 def _own(path: str | Path, ship: Ship) -> tuple[float, list[tuple[int, dict[str, float]]]]:
@@ -85,11 +108,38 @@ def _own(path: str | Path, ship: Ship) -> tuple[float, list[tuple[int, dict[str,
             )
     if not any(name in FORCES for name in given):
         raise ConfigError(f"{path}: no column of a force, as in 'Y [-]'")
+    columns = {
+        n: _frequency(data) if n == "frequency" else data.si(n, _SI.get(n, "-")) for n in given
+    }
+    return own_length(data, ship), _as_rows(data.rows, columns)
+
+
+def own_length(data: CsvTable, ship: Ship) -> float:
+    """Length of what was tested [m]: of the line ``# length: 6.9``, else the ship's.
+
+    Raises
+    ------
+    ConfigError
+        A line that looks as if it were meant, but would be passed over.
+    """
+    for key in data.header:
+        word = key.partition("[")[0].strip()
+        if key != "length" and (
+            word in _LENGTHS or get_close_matches(word, ["length"], cutoff=0.8)
+        ):
+            raise ConfigError(f"{data.path}: '# {key}: ...': write '# length: 6.9', in m")
     length = data.number("length") if "length" in data.header else ship.hull.L
-    length = check_number(f"{path}: length", length, 0.1, 1000.0, "m")
-    plain = ("frequency",)  # 1/s is no unit of a ship file
-    columns = {n: data.columns[n] if n in plain else data.si(n) for n in given}
-    return length, _as_rows(data.rows, columns)
+    return check_number(f"{data.path}: length", length, 0.1, 1000.0, "m")
+
+
+def _frequency(data: CsvTable) -> np.ndarray:
+    """Cycles in a second; 1/s is no unit of a ship file."""
+    unit = data.units.get("frequency", "")
+    if unit not in _CYCLES:
+        allowed = ", ".join(f"[{one}]" for one in _CYCLES)
+        where = f"{data.path}:{data.title_row}: column 'frequency'"
+        raise ConfigError(f"{where} has unit [{unit}]; allowed is {allowed}")
+    return data.columns["frequency"] * _CYCLES[unit]
 
 
 def _hmri(path: str | Path, ship: Ship) -> tuple[float, list[tuple[int, dict]]]:
@@ -107,6 +157,9 @@ def _hmri(path: str | Path, ship: Ship) -> tuple[float, list[tuple[int, dict]]]:
     for name in _NEEDED:
         if name not in columns:
             raise ConfigError(f"{path}: no column {name!r}: no captive test")
+    if "vdot" in columns:  # by U^2 / L, of v = v' U cos(omega t)
+        omega = 2.0 * math.pi * columns["frequency"] * _HMRI_LENGTH / columns["speed"]
+        columns["sway"] = -columns["vdot"] / omega
     for name in columns:
         if name in FORCES:
             columns[name] = columns[name] * ship.hull.L / ship.hull.d

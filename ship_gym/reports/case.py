@@ -133,7 +133,7 @@ def sea_of(
         raise ConfigError(f"{missing}: a regular wave needs its height [m] and its length [L]")
     if wave_from_deg is not None:
         check_number("wave_from", wave_from_deg, -360.0, 360.0, "deg")
-    if wave_height is not None:
+    if wave_height is not None and wavelength is not None:
         if has_waves(sea):
             raise ConfigError(f"wave_height: sea {name!r} has waves already; leave one of them out")
         wave = _regular_wave(ship, wave_height, wavelength)
@@ -151,7 +151,7 @@ def sea_of(
     return sea, f"{label} from {wave_from_deg:.4g} deg"
 
 
-def _regular_wave(ship: Ship, height: float, wavelength: float) -> RegularWave:
+def _regular_wave(ship: Ship, height: float, wavelength: float) -> RegularWave | None:
     """A wave of a height [m] and a length [L]; one that breaks is a ConfigError."""
     check_number("wave_height", height, 1e-6, 40.0, "m")
     check_number("wavelength", wavelength, 0.05, 20.0, "L")

@@ -195,7 +195,7 @@ def as_dict(case: Handling) -> dict[str, Any]:
         limit = imo_limits(case.ship, case.speed)["track_reach"]
         passes = values["track_reach"] <= limit
         found["imo"] = {"track_reach": {"limit": limit, "large_ships": _LARGE, "pass": passes}}
-    if case.manoeuvre == "spiral":
+    if isinstance(case.result, Spiral):
         found["curve"] = {
             "delta_deg": [math.degrees(delta) for delta in case.result.delta],
             "yaw_rate": list(case.result.yaw_rate),
@@ -221,7 +221,8 @@ def as_text(case: Handling, files: list[str], name: str) -> str:
 def _verdict(case: Handling) -> str:
     """What the measures say, and what the model leaves out."""
     if isinstance(case.result, SpeedChange):
-        return _stop_verdict(case) if case.manoeuvre == "stopping" else "no limit of IMO"
+        reach = case.result.track_reach
+        return _stop_verdict(case, reach) if case.manoeuvre == "stopping" else "no limit of IMO"
     if case.sea != "calm":
         return "in this sea: what is left is of waves, wind and current too"
     if isinstance(case.result, PullOut):
@@ -235,9 +236,8 @@ def _verdict(case: Handling) -> str:
     )
 
 
-def _stop_verdict(case: Handling) -> str:
+def _stop_verdict(case: Handling, reach: float) -> str:
     limit = imo_limits(case.ship, case.speed)["track_reach"]
-    reach = case.result.track_reach
     return paragraph(
         f"IMO MSC.137(76): track reach at most {limit:.0f} L from full ahead, {_LARGE:.0f} L for "
         f"large ships if the Administration allows it; computed {reach:.2f} L: "

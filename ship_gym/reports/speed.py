@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -90,17 +91,16 @@ def jobs(
     seas = _seas(ship)
     for n in growth:
         for name, sea in seas.items():
-            yield Job("growth", name, n, lambda n=n, sea=sea: physics(n, sea, False, ship))
-        yield Job(
-            "growth", "environment", n, lambda n=n: vector(SHIP_ENV, n, parallel=False, **env)
-        )
-        yield Job("growth", YARDSTICK, n, lambda n=n: vector(YARDSTICK, n))
+            yield Job("growth", name, n, partial(physics, n, sea, False, ship))
+        batch = partial(vector, SHIP_ENV, n, parallel=False, **env)
+        yield Job("growth", "environment", n, batch)
+        yield Job("growth", YARDSTICK, n, partial(vector, YARDSTICK, n))
     for count in waves if "waves" in seas else ():
         yield Job(
             "waves",
             "physics",
             count,
-            lambda count=count: physics(_COMPARED, rough_sea(count), False, ship),
+            partial(_among, count, ship),
         )
 
 
@@ -112,13 +112,28 @@ def _seas(ship: Any) -> dict[str, Any]:
     return found
 
 
+def _among(count: int, ship: Any) -> Work:
+    """Physics in a sea of `count` waves."""
+    return physics(_COMPARED, rough_sea(count), False, ship)
+
+
+def _of_surrogate(ship: Any, name: str) -> Work:
+    """Physics of a ship with another surrogate."""
+    return physics(_COMPARED, CALM, False, load_ship(ship, surrogate=name))
+
+
+def _alone(given: dict[str, Any]) -> Work:
+    """One environment."""
+    return scalar(ShipEnv(**given))
+
+
 def _steps(n: int, ship: Any, env: dict[str, Any]) -> Iterator[Job]:
     for mode, p in (("one core", False), ("threads", True)):
         for name, sea in _seas(ship).items():
             title = f"physics, {name}, {mode}"
-            yield Job("steps", title, n, lambda p=p, sea=sea: physics(n, sea, p, ship), p)
+            yield Job("steps", title, n, partial(physics, n, sea, p, ship), p)
         title = f"HeadingKeeping, {mode}" if "scenario" not in env else f"environment, {mode}"
-        yield Job("steps", title, n, lambda p=p: vector(SHIP_ENV, n, parallel=p, **env), p)
+        yield Job("steps", title, n, partial(vector, SHIP_ENV, n, parallel=p, **env), p)
     yield Job("steps", f"{YARDSTICK} vector", n, lambda: vector(YARDSTICK, n))
 
 
@@ -130,11 +145,11 @@ def _others(ship: Any, env: dict[str, Any]) -> Iterator[Job]:
             "steps",
             f"physics, calm, {name}",
             _COMPARED,
-            lambda s=surrogate: physics(_COMPARED, CALM, False, load_ship(ship, surrogate=s)),
+            partial(_of_surrogate, ship, surrogate),
         )
     named = {env_id: {"scenario": scenario} for env_id, scenario in ENVIRONMENTS.items()}
     for name, given in ({"environment": {}} if "scenario" in env else named).items():
-        yield Job("steps", f"{name} step", 1, lambda given=given: scalar(ShipEnv(**env | given)))
+        yield Job("steps", f"{name} step", 1, partial(_alone, env | given))
     yield Job("steps", f"{YARDSTICK} step", 1, lambda: scalar(gym.make(YARDSTICK).unwrapped))
 
 
@@ -167,7 +182,7 @@ def overhead(scenario: Any, n: int, repeats: int, **env: Any) -> dict[str, Any]:
 
     envs = ShipVectorEnv(n, scenario=scenario, parallel=False, **env)
     envs.reset(seed=0)
-    actions = np.zeros(envs.action_space.shape)
+    actions = np.zeros((n, *(envs.single_action_space.shape or ())))
     calls = (envs.episodes.sim.advance, lambda: envs.step(actions))
     times: tuple[list[float], list[float]] = ([], [])
     for _ in range(repeats + 1):

@@ -53,6 +53,7 @@ class Child:
 
     def ask(self, **asked: Any) -> dict[str, Any]:
         """Have it measure: a name of ``speed_child.MEASURES`` or ``memory``, and its arguments."""
+        assert self._process.stdout is not None  # of a pipe
         print(json.dumps(asked), file=self._process.stdin, flush=True)
         answer = self._process.stdout.readline()
         if not answer:
@@ -64,6 +65,7 @@ class Child:
 
     def close(self) -> None:
         """End it."""
+        assert self._process.stdin is not None and self._process.stdout is not None
         self._process.stdin.close()
         self._process.wait()
         self._process.stdout.close()

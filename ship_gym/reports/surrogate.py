@@ -107,7 +107,7 @@ def _of_side(fit: Fit, side: str) -> dict[str, Any]:
         "coefficients": {
             name: [float(c) for c in model.coefficients]
             for name, model in models.items()
-            if isinstance(model, Regression)
+            if isinstance(model, Regression) and model.coefficients is not None
         },
         "printed_coefficients": (
             {

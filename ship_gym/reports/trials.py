@@ -51,7 +51,10 @@ class Comparison:
         """Whether it is nearer to the measured value than before; None if as near, or unknown."""
         if self.before is None:
             return None
-        now, then = (abs(row.difference) for row in (self.row, self.before))
+        a, b = self.row.difference, self.before.difference
+        if a is None or b is None:
+            return None
+        now, then = abs(a), abs(b)
         return None if math.isclose(now, then, rel_tol=1e-3, abs_tol=0.05) else now < then
 
 
@@ -80,6 +83,7 @@ def comparisons(
     case: Case, before: dict[tuple[str, str, str], float] | None = None
 ) -> list[Comparison]:
     """What was measured in a trial beside what was computed, and computed before."""
+    assert case.trial is not None
     name, found = trial_name(case.ship, case.trial), []
     for row in rows(case):
         if row.measured is not None:
@@ -130,7 +134,7 @@ def summary(found: Iterable[Comparison]) -> dict[str, Any]:
     scattered = [abs(c.row.deviations) for c in found if c.row.deviations is not None]
     counts: dict[str, Any] = {
         "values": len(found),
-        "mean_difference_percent": float(np.mean([abs(c.row.difference) for c in shares])),
+        "mean_difference_percent": _mean_size(c.row for c in shares),
         "with_deviation": len(scattered),
         "within_1_deviation": sum(x <= 1.0 for x in scattered),
         "within_2_deviations": sum(x <= 2.0 for x in scattered),
@@ -138,11 +142,17 @@ def summary(found: Iterable[Comparison]) -> dict[str, Any]:
     old = [c for c in shares if c.before is not None]
     if old:
         counts["compared_with_before"] = len(old)
-        counts["mean_before_percent"] = float(np.mean([abs(c.before.difference) for c in old]))
-        counts["mean_now_percent"] = float(np.mean([abs(c.row.difference) for c in old]))
+        counts["mean_before_percent"] = _mean_size(c.before for c in old)
+        counts["mean_now_percent"] = _mean_size(c.row for c in old)
         counts["closer"] = sum(c.closer is True for c in found)
         counts["further"] = sum(c.closer is False for c in found)
     return counts
+
+
+def _mean_size(rows: Iterable[Row | None]) -> float:
+    """Mean size of the differences from what was measured."""
+    found = [row.difference for row in rows if row is not None]
+    return float(np.mean([abs(each) for each in found if each is not None]))
 
 
 def as_dict(found: Sequence[Comparison]) -> dict[str, Any]:

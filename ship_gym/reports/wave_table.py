@@ -13,7 +13,7 @@ from ship_gym.config import ConfigError, check_number
 from ship_gym.conventions import G
 from ship_gym.keys import Keys
 from ship_gym.provenance import sha256
-from ship_gym.reports.page import Grid, Picture, Section, Text
+from ship_gym.reports.page import Block, Grid, Picture, Section, Text
 from ship_gym.sea.wave_table import BOUNDS, UNCERTAINTY, WaveTable
 from ship_gym.seakeeping.hull_mesh import HullMesh
 from ship_gym.seakeeping.hydrostatics import Hydrostatics, comparison
@@ -162,7 +162,11 @@ def provenance(table: WaveTable, path: Path) -> Section:
         " and pitch were chosen by comparison with SNNM in head and bow seas: there SNNM is no "
         "independent check. ship_gym/seakeeping/calibration.py says how each was found."
     )
-    blocks = [Grid("", ["", ""], rows, left=2), Text(text), Grid("", ["", ""], constants)]
+    blocks: list[Block] = [
+        Grid("", ["", ""], rows, left=2),
+        Text(text),
+        Grid("", ["", ""], constants),
+    ]
     return Section("Provenance", blocks)
 
 

@@ -282,7 +282,7 @@ def stated(name: str) -> dict[str, Any]:
     """What a scenario of that name states itself, without its base."""
     outside = TASKS.outside()
     if name in outside:
-        return {"task": name, **outside[name].scenario}
+        return {"task": name, **(outside[name].scenario or {})}
     return read_toml(_FOLDER / f"{name}.toml")
 
 

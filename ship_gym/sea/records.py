@@ -381,6 +381,7 @@ def _fill_waves(record: np.record, ship: Ship, waves: WaveComponents, kind: int)
 
 def _gusts(ship: Ship, sea: Sea) -> np.ndarray:
     """Share and frequency [rad/s] of the gusts' harmonics, zero without and where they fill up."""
+    assert ship.wind is not None  # else she has no wind table
     found = np.zeros((2, GUST_COLUMNS))
     if not sea.gusts:
         return found

@@ -173,7 +173,7 @@ def _towards(columns: _Columns, name: str) -> np.ndarray:
 def _of_one(columns: _Columns, ways: list[str]) -> MeasuredSpectrum:
     f, density = columns.si("frequency"), columns.si("density")
     columns.check("density", 0.0, 1e6)
-    for row in np.flatnonzero(np.diff(f) <= 0.0):
+    for row in np.flatnonzero(np.diff(f) <= 0.0).tolist():
         raise ConfigError(
             f"{columns.table.path}:{columns.line(row + 1)}: frequency {f[row + 1]:.6g} Hz after "
             f"{f[row]:.6g} Hz: frequencies must rise"
@@ -184,7 +184,7 @@ def _of_one(columns: _Columns, ways: list[str]) -> MeasuredSpectrum:
             for name in ("a1", "b1"):
                 columns.check(f"{name}_{way}", -1.0, 1.0)
             r_1 = np.hypot(a, b)
-            for row in np.flatnonzero(r_1 > LONGEST_R_1):
+            for row in np.flatnonzero(r_1 > LONGEST_R_1).tolist():
                 raise ConfigError(
                     f"{columns.table.path}:{columns.line(row)}: a1, b1 have the length "
                     f"{r_1[row]:.6g}: allowed is 0 to 1"

@@ -80,6 +80,13 @@ def _has(data: Any, dims: tuple, names: tuple[str, ...], ends: str) -> str | Non
     return None
 
 
+def _dimension(data: Any, chosen: Any, names: tuple[str, ...], ends: str) -> str:
+    """As `_has`, of the density, which was chosen because it has it."""
+    found = _has(data, chosen.dims, names, ends)
+    assert found is not None
+    return found
+
+
 def _density(data: Any) -> tuple[Any, bool]:
     """The variance density, and whether it is over directions too."""
     for standard, names, two in ((_DENSITY_2, _NAMES_2, True), (_DENSITY_1, _NAMES_1, False)):
@@ -149,8 +156,8 @@ def _taken(variable: Any, dim: str, value: str) -> Any:
 
 
 def _of_two(data: Any, chosen: Any, directions: str) -> MeasuredSpectrum:
-    frequency = _has(data, chosen.dims, _FREQUENCY, "wave_frequency")
-    direction = _has(data, chosen.dims, _DIRECTION, "_direction")
+    frequency = _dimension(data, chosen, _FREQUENCY, "wave_frequency")
+    direction = _dimension(data, chosen, _DIRECTION, "_direction")
     chosen = chosen.transpose(frequency, direction)
     if str(chosen.name) == "d2fd":
         f, to, energy = _era5(data, chosen, frequency, direction)
@@ -197,7 +204,7 @@ def _numbered(data: Any, name: str) -> bool:
 
 
 def _of_one(data: Any, chosen: Any, pick: str, directions: str) -> MeasuredSpectrum:
-    frequency = _has(data, chosen.dims, _FREQUENCY, "wave_frequency")
+    frequency = _dimension(data, chosen, _FREQUENCY, "wave_frequency")
     f, energy = frequencies(_coordinate(data, frequency)), energy_of(chosen, False)
     check_finite(chosen, energy)
     mean = _beside(data, frequency, _MEAN, r"wave_(mean_)?(from|to)_direction$")

@@ -257,8 +257,10 @@ def regular_sea(
     """
     if (wavelength is None) == (omega is None):
         raise ConfigError("regular_sea: give wavelength or omega, one of them")
-    frequency = omega if wavelength is None else omega_of_length(wavelength)
-    wave = RegularWave(amplitude, float(frequency))
+    if wavelength is not None:
+        omega = omega_of_length(wavelength)
+    assert omega is not None
+    wave = RegularWave(amplitude, float(omega))
     return Sea(regular=wave, wave_direction_to=_opposite(direction_from), drift=drift)
 
 

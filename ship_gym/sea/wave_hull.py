@@ -47,9 +47,8 @@ def check_facts(made: Any) -> None:
     """Refuse facts of a card that are no numbers; those that are missing are not asked for."""
     where = "wave table: card.made_for"
     for key in _LENGTHS:
-        check_number(
-            f"{where}.{key}", made.get(key) if isinstance(made, dict) else made, 1e-3, 1e4, "m"
-        )
+        length: Any = made.get(key) if isinstance(made, dict) else made
+        check_number(f"{where}.{key}", length, 1e-3, 1e4, "m")
     if "volume" in made:
         check_number(f"{where}.volume", made["volume"], 1e-9, 1e9, "m3")
     form = made.get("form", {})

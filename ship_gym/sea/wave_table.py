@@ -137,7 +137,7 @@ class WaveTable:
     def surge(self, model: str = "blend") -> np.ndarray:
         """CX by a surge model: "bem", "snnm" or the "blend" of `snnm_weight`, shape (f, h, w)."""
         check_known("surge model", model, SURGE_MODELS)
-        weight = {"bem": 0.0, "snnm": 1.0}.get(model)
+        weight: Any = {"bem": 0.0, "snnm": 1.0}.get(model)
         if weight is None:
             weight = snnm_weight(self.froude, self.heading, self.omega)
         return ((1.0 - weight) * self.CX_bem + weight * self.CX_snnm).astype(np.float32)
@@ -191,7 +191,7 @@ class WaveTable:
             raise ConfigError(f"{path}: no such wave table")
         names = [f.name for f in dataclasses.fields(cls)]
         found = read_npz(path, *names, what="a wave table")
-        arrays = {name: found[name] for name in names}
+        arrays: dict[str, Any] = {name: found[name] for name in names}
         with told_of(path):
             return cls(**arrays | {"card": json_head(arrays["card"], path)})
 

@@ -59,7 +59,7 @@ class Bulb:
         """Centre of that volume, x [m]."""
         return self.x + 0.375 * self.length
 
-    def size(self, x: np.ndarray) -> np.ndarray:
+    def size(self, x: np.ndarray | float) -> np.ndarray:
         """Area by that at the perpendicular, shape of x [m]."""
         t = (np.asarray(x) - self.x) / self.length
         t = np.where(t < 0.0, t / _BEHIND, t)

@@ -221,7 +221,7 @@ def compute(
     """
     grid = problem.grid
     work.mkdir(parents=True, exist_ok=True)
-    tasks = [(radiation, problem.hull, w**2) for w in grid.encounter_points]
+    tasks: list[tuple] = [(radiation, problem.hull, w**2) for w in grid.encounter_points]
     potentials = _each(tasks, work, "radiation", jobs, progress)
     waves = Radiation(grid.encounter_points, np.array(potentials))
     tasks = [(frequency_row, problem, waves, i) for i in range(grid.frequencies)]
@@ -241,9 +241,7 @@ def _each(tasks: list[tuple], work: Path, name: str, jobs: int, progress) -> lis
         done = run(delayed(_keep)(paths[i], *tasks[i]) for i in missing)
         for _ in progress(done, name, len(missing)):
             pass
-    for i in missing:
-        kept[i] = read_npy(paths[i])
-    return kept
+    return [read_npy(paths[i]) if found is None else found for i, found in enumerate(kept)]
 
 
 def _kept(path: Path) -> np.ndarray | None:

@@ -98,27 +98,61 @@ def fitted_curve(
     ConfigError
         No such curve: says which of the two is out of its range, and the range.
     """
-    low, high = _P_RANGE
+    family = _Family(area, aft, fore, parallel)
+    _check_range(names[0], area, *family.areas())
+    _check_range(names[1], centre, *family.centres())
+    p_fore = brentq(lambda p: family.centre(p) - centre, *family.bows(), xtol=1e-12)
+    return family.member(p_fore)
 
-    def curve(p_aft: float, p_fore: float) -> Curve:
-        return Curve(aft, fore, p_aft, p_fore, parallel)
 
-    smallest, largest = curve(low, low).moments()[0], curve(high, high).moments()[0]
-    _check_range(names[0], area, smallest, largest)
+def centre_range(
+    area: float, aft: CurveEnd, fore: CurveEnd, parallel: float
+) -> tuple[float, float] | None:
+    """Smallest and largest centre of a curve with a given area, as in `fitted_curve`.
 
-    def aft_for(p_fore: float) -> float:
-        return _root(lambda p: curve(p, p_fore).moments()[0] - area)
+    None if there is no curve with this area.
+    """
+    family = _Family(area, aft, fore, parallel)
+    low, high = family.areas()
+    return family.centres() if low < area < high else None
 
-    def centre_for(p_fore: float) -> float:
-        total, first = curve(aft_for(p_fore), p_fore).moments()
+
+@dataclasses.dataclass(frozen=True)
+class _Family:
+    """All curves with one area; the exponent of the bow tells them apart."""
+
+    area: float
+    aft: CurveEnd
+    fore: CurveEnd
+    parallel: float
+
+    def _curve(self, p_aft: float, p_fore: float) -> Curve:
+        return Curve(self.aft, self.fore, p_aft, p_fore, self.parallel)
+
+    def areas(self) -> tuple[float, float]:
+        """Smallest and largest area with these ends."""
+        low, high = (self._curve(p, p).moments()[0] for p in _P_RANGE)
+        return low, high
+
+    def member(self, p_fore: float) -> Curve:
+        """The curve with this bow."""
+        return self._curve(_root(lambda p: self._curve(p, p_fore).moments()[0] - self.area), p_fore)
+
+    def centre(self, p_fore: float) -> float:
+        """Its centre."""
+        total, first = self.member(p_fore).moments()
         return first / total
 
-    # the fullness of the bow for which the stern is still possible
-    least = _root(lambda p: curve(high, p).moments()[0] - area)
-    most = _root(lambda p: curve(low, p).moments()[0] - area)
-    _check_range(names[1], centre, centre_for(least), centre_for(most))
-    p_fore = brentq(lambda p: centre_for(p) - centre, least, most, xtol=1e-12)
-    return curve(aft_for(p_fore), p_fore)
+    def bows(self) -> tuple[float, float]:
+        """Least and fullest bow for which the stern is still possible."""
+        low, high = _P_RANGE
+        least = _root(lambda p: self._curve(high, p).moments()[0] - self.area)
+        return least, _root(lambda p: self._curve(low, p).moments()[0] - self.area)
+
+    def centres(self) -> tuple[float, float]:
+        """Centres with the two."""
+        least, most = self.bows()
+        return self.centre(least), self.centre(most)
 
 
 def _root(function: Callable[[float], float]) -> float:

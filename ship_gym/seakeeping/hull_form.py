@@ -22,11 +22,11 @@ from scipy.special import gammaln
 
 from ship_gym.config import ConfigError
 from ship_gym.seakeeping.bulb import Bulb, ship_bulb
-from ship_gym.seakeeping.form_curves import Curve, CurveEnd, fitted_curve
+from ship_gym.seakeeping.form_curves import Curve, CurveEnd, centre_range, fitted_curve
 from ship_gym.seakeeping.hull_mesh import HullMesh, divided, mesh_from_sections
 from ship_gym.ships.files import Named
 from ship_gym.ships.loader import load_ship
-from ship_gym.ships.particulars import Ship
+from ship_gym.ships.particulars import HullForm, Ship
 
 DRAWN = "parametric hull"  # begins the report of a drawn one
 STATIONS, GIRTH = 44, 8  # panels along and around the half hull
@@ -65,7 +65,7 @@ def area_curve(ship: Ship, bulb: Bulb | None) -> Curve:
     ConfigError
         None exists with the ship's volume and centre of buoyancy: says the range.
     """
-    form, hull = ship.form, ship.hull
+    form, hull = _form(ship), ship.hull
     volume, moment, at_fore = hull.volume, hull.volume * form.x_B, 0.0
     if bulb is not None:
         volume -= bulb.volume
@@ -85,10 +85,20 @@ def breadth_curve(ship: Ship) -> Curve:
     ConfigError
         None exists with the ship's C_wp and x_F: says the range.
     """
-    form, L = ship.form, ship.hull.L
-    ends = CurveEnd(form.b_transom, form.q_wl_aft), CurveEnd(0.0, form.q_wl_fore)
+    form, L = _form(ship), ship.hull.L
     names = "C_wp", "x_F / L"
-    return fitted_curve(form.C_wp, form.x_F / L, *ends, form.parallel / L, names)
+    return fitted_curve(form.C_wp, form.x_F / L, *_wl_ends(form), form.parallel / L, names)
+
+
+def centres_of_waterplane(ship: Ship) -> tuple[float, float] | None:
+    """Smallest and largest x_F [m] of waterlines with the ship's C_wp; None: there are none."""
+    form, L = _form(ship), ship.hull.L
+    found = centre_range(form.C_wp, *_wl_ends(form), form.parallel / L)
+    return None if found is None else (found[0] * L, found[1] * L)
+
+
+def _wl_ends(form: HullForm) -> tuple[CurveEnd, CurveEnd]:
+    return CurveEnd(form.b_transom, form.q_wl_aft), CurveEnd(0.0, form.q_wl_fore)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -160,9 +170,15 @@ def hull_lines(ship: Ship, stations: int = STATIONS) -> HullLines:
     return HullLines(x, 0.5 * hull.B * b, draught, section_exponent(np.maximum(c, 1e-5)), bulb)
 
 
+def _form(ship: Ship) -> HullForm:
+    """Form of a ship that has one: `hull_sections` has seen to that."""
+    assert ship.form is not None
+    return ship.form
+
+
 def _keel(ship: Ship, x: np.ndarray, bulb: Bulb | None) -> np.ndarray:
     """Draught by d: it falls to that of the transom aft, and to the bottom of the bulb forward."""
-    form, hull = ship.form, ship.hull
+    form, hull = _form(ship), ship.hull
     end = transom_draught(form.a_transom, form.b_transom, form.C_m)
     rise = np.clip((form.x_keel - x) / (form.x_keel + 0.5 * hull.L), 0.0, 1.0)
     draught = 1.0 - (1.0 - end) * rise

@@ -87,7 +87,7 @@ def _until_zero(
     path: Path, rows: Iterator, count: int, kind: type, needed: str, last: int
 ) -> Lines:
     """Lines up to the one that starts with 0."""
-    found = []
+    found: Lines = []
     for number, words in rows:
         if words[0] == "0":
             return found

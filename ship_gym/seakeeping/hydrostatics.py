@@ -153,16 +153,16 @@ def comparison_table(mesh: HullMesh, ship: Ship) -> str:
             f"  {name:<8} {found:12.5g} {given:12.5g} {fields[name]['unit']:<3}"
             f" {100.0 * (found - given) / scale:+7.2f} {of:<4} {fields[name]['meaning']}"
         )
-    found = hydrostatics(mesh)
-    KG = ship.form.KG if ship.form is not None else found.KM
+    floats = hydrostatics(mesh)
+    KG = ship.form.KG if ship.form is not None else floats.KM
     weight = ship.rho * G
     lines.append(
-        f"  stiffness: heave {weight * found.heave:.4g} N/m, "
-        f"pitch about midship {weight * found.pitch(KG):.4g} N m"
+        f"  stiffness: heave {weight * floats.heave:.4g} N/m, "
+        f"pitch about midship {weight * floats.pitch(KG):.4g} N m"
     )
     if ship.form is not None:
         lines.append(
-            f"  roll {weight * found.roll(KG):.4g} N m of the mesh, "
+            f"  roll {weight * floats.roll(KG):.4g} N m of the mesh, "
             f"{weight * ship.hull.volume * ship.form.GM:.4g} N m with the ship's GM: use that one"
         )
     return "\n".join(lines)

@@ -68,8 +68,9 @@ def _ends(mesh: HullMesh, L: float) -> tuple[float, float]:
     """Length of entrance and of run [m]: from the ends of the waterline to 0.99 of the beam."""
     x, y = mesh.vertices[np.abs(mesh.vertices[:, 2]) < 1e-6 * L, :2].T
     full = x[np.abs(y) >= _BEAM * np.abs(y).max()]
-    ends = x.max() - full.max(), full.min() - x.min()
-    return tuple(float(np.clip(length, _SHORTEST * L, L)) for length in ends)
+    ends = np.array([x.max() - full.max(), full.min() - x.min()])
+    entrance, run = np.clip(ends, _SHORTEST * L, L).tolist()
+    return entrance, run
 
 
 def with_form(ship: Ship, mesh: HullMesh) -> tuple[Ship, HullMesh]:

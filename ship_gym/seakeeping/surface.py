@@ -96,7 +96,7 @@ class Surface:
         for i, key in enumerate(np.round(self.panels * 1e6).astype(np.int64)):
             for corner in key:
                 corners.setdefault(tuple(corner), set()).add(i)
-        near = [set() for _ in self.panels]
+        near: list[set[int]] = [set() for _ in self.panels]
         for group in corners.values():
             for i in group:
                 near[i] |= group

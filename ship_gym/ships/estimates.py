@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,8 @@ from ship_gym.ships.ranges import RANGES
 from ship_gym.ships.scaling import correlation_allowance, scaled, viscous_resistance
 
 NEAR = 0.10  # of L/B, B/d and C_b: up to here the other ship's derivatives hold, else regressions
+# slopes of C_wp and C_m over C_b, of the ships of the package by least squares
+WATERPLANE, MIDSHIP = 0.54, 0.47
 GIVEN = "given"
 
 
@@ -32,12 +35,14 @@ class Made:
         self.parent_C_b = estimators.block_coefficient(h.L, h.B, h.d, h.volume)
         pairs = ((p["B"], h.B), (p["d"] / p["B"], h.d / h.B), (p["C_b"], self.parent_C_b))
         self.near = all(abs(new / old - 1.0) <= NEAR for new, old in pairs)
+        water: dict[str, Any] = {key: float(fixed[key]) for key in ("rho", "nu") if key in fixed}
         self.ship = dataclasses.replace(
             parent, name=name, title=f"{name}, {p['L']:g} m, like {parent.name}",
             status=f"estimated from particulars and {parent.name}; validated by nothing",
             full_length=p["L"], speed=p["speed"], share=1.0, trials=(), propulsion=(),
-            wave_table="", surrogate=None, surrogate_name="none", implausible=(), strict=True,
-            variant=f"like {parent.name}", sources={}, estimated={},
+            wave_table="", wave_state=(), surrogate=None, surrogate_name="none", implausible=(),
+            strict=True, variant=f"like {parent.name}", sources=dict.fromkeys(water, GIVEN),
+            estimated={}, **water,
         )  # fmt: skip
 
     def set(self, section: str, values: Mapping[str, tuple[float, str]]) -> None:
@@ -65,8 +70,9 @@ class Made:
                 continue
             value = getattr(getattr(old, section), key)
             over, under = (basis(s, allowed.by, s.file_speed) for s in (self.ship, old))
-            if value not in (0.0, math.inf) and math.inf not in (over, under):
-                value *= over / under
+            if value not in (0.0, math.inf) and over is not None and under is not None:
+                if math.inf not in (over, under):
+                    value *= over / under  # None: a number that is fixed is not above zero
             by = f", by {allowed.by}" if allowed.by else ""
             self.set(section, {key: (value, f"as {old.name}{by}")})
 
@@ -182,11 +188,15 @@ def _others(m: Made) -> None:
     if m.ship.form is None:
         return
     old, C_b = m.parent, m.p["C_b"]
-    C_wp = min(0.98, old.form.C_wp * C_b / m.parent_C_b)
-    m.by_dimension("form", "x_B", "C_wp")
+    assert old.form is not None  # as hers is the one the ship began with
+    more = C_b - m.parent_C_b
+    C_wp = min(0.97, old.form.C_wp + WATERPLANE * more)
+    C_m = min(max(0.998, old.form.C_m), old.form.C_m + MIDSHIP * more)
+    m.by_dimension("form", "x_B", "C_wp", "C_m")
     m.set("form", {
         "x_B": (m.ship.hull.x_G, "as x_G, on even keel"),
-        "C_wp": (C_wp, f"C_wp / C_b of {old.name}"),
+        "C_m": (C_m, f"that of {old.name}, {MIDSHIP} for each unit of C_b"),
+        "C_wp": (C_wp, f"that of {old.name}, {WATERPLANE} for each unit of C_b"),
     })  # fmt: skip
 
 

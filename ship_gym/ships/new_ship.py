@@ -7,15 +7,28 @@ of the two, and from what, stands beside it as ``estimated``.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import math
+import re
 from collections.abc import Mapping
 
-from ship_gym.config import ConfigError, Findings, check_known, check_number
+from ship_gym.config import UNITS, ConfigError, Findings, check_known, check_number
 from ship_gym.ships.estimates import GIVEN, STEPS, Made
 from ship_gym.ships.files import Named, text_of
 from ship_gym.ships.loader import load_ship
-from ship_gym.ships.particulars import Ship
-from ship_gym.ships.ranges import RANGES
+from ship_gym.ships.particulars import (
+    Engine,
+    Hull,
+    HullForm,
+    Propeller,
+    Rudder,
+    Ship,
+    SteeringGear,
+    WindAreas,
+)
+from ship_gym.ships.plausible import findings_of
+from ship_gym.ships.ranges import BOX, RANGES
 
 # particular -> range of it, and its unit; L, B, d, speed and C_b (or volume) are needed
 PARTICULARS: dict[str, tuple[float, float, str]] = {
@@ -34,10 +47,16 @@ PARTICULARS: dict[str, tuple[float, float, str]] = {
     "A_R": (1e-4, 500.0, "m2"),
     "n_max": (0.1, 100.0, "rev/s"),
 }
+SECTIONS = {"hull": Hull, "propeller": Propeller, "rudder": Rudder, "gear": SteeringGear}
+SECTIONS |= {"engine": Engine, "form": HullForm, "wind": WindAreas}
+WATER = {"rho": "kg/m3", "nu": "m2/s"}  # also fixed by name; above zero, or nothing is computed
+_WITH_UNIT = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([A-Za-z][\w/ ]*)?")
 _WHOLE = ("z", "propellers")
 _NEEDED = ("L", "B", "d", "speed")
-_GEOMETRY = ("hull.L", "hull.B", "hull.d", "hull.volume", "hull.x_G", "propeller.D", "rudder.A_R")
-_GEOMETRY += ("engine.n_max",)  # have an option of their own
+_GEOMETRY = {  # number -> its own option
+    **{f"hull.{key}": key for key in ("L", "B", "d", "volume", "x_G")},
+    **{"propeller.D": "D_P", "rudder.A_R": "A_R", "engine.n_max": "n_max"},
+}
 
 
 def check_particulars(
@@ -72,9 +91,36 @@ def check_particulars(
     box = p["L"] * p["B"] * p["d"]
     p.setdefault("volume", p.get("C_b", 0.0) * box)
     with findings.kept():
-        p["C_b"] = check_number("volume / (L B d)", p["volume"] / box, 0.25, 1.0)
+        p["C_b"] = check_number("volume / (L B d)", p["volume"] / box, 0.25, BOX)
     findings.tell()
     return p
+
+
+def number_of(text: str, unit: str) -> float | str:
+    """The number of a text such as ``7.7`` or ``15 kn`` in its SI `unit`; else the text itself.
+
+    Units are those of ship files; the text of no number and no unit is refused by `new_ship`.
+    """
+    found = _WITH_UNIT.fullmatch(text.strip())
+    if found is None:
+        return text
+    factor, si = UNITS.get(found[2] or unit, (0.0, ""))
+    if si == unit:
+        with contextlib.suppress(ValueError):
+            return float(found[1]) * (factor if found[2] else 1.0)
+    return text
+
+
+def unit_of(key: str) -> str:
+    """SI unit of a particular or of a number of a ship, "section.field"; - if there is none."""
+    if key in PARTICULARS:
+        return PARTICULARS[key][2]
+    if key in WATER:
+        return WATER[key]
+    section, _, field = key.partition(".")
+    part = SECTIONS.get(section)
+    known = {f.name: f.metadata["unit"] for f in dataclasses.fields(part)} if part else {}
+    return known.get(field, "-")
 
 
 def new_ship(
@@ -93,7 +139,7 @@ def new_ship(
     given : mapping
         As `PARTICULARS`, SI; None: not given. L, B, d, speed and C_b or volume are needed.
     fixed : mapping, optional
-        "section.field" to a number in SI that replaces the estimate.
+        "section.field", rho or nu to a number in SI that replaces the estimate.
 
     Returns
     -------
@@ -114,17 +160,31 @@ def new_ship(
         raise ConfigError(f"--like {like.name}: has two propellers; name a ship with one")
     made = Made(like, p, fixed, name, units)
     for step in STEPS:
-        step(made)
+        try:
+            step(made)
+        except (ValueError, ArithmeticError) as error:  # of a number that no ship has
+            raise ConfigError(_reasons(made.ship) or str(error)) from None
     lost = [key for key in fixed if made.ship.sources.get(key) != GIVEN]
     if lost:
         raise ConfigError(f"--set {', '.join(lost)}: {like.name} has no such section to replace in")
     return made.ship
 
 
+def _reasons(ship: Ship) -> str:
+    """What is wrong with the numbers of a ship that has no engine of her own yet."""
+    found = findings_of(ship)
+    lines = [*found.impossible, *found.implausible]
+    return "\n".join(f"{ship.name}: {line}" for line in lines if not line.startswith("engine."))
+
+
 def _check_fixed(fixed: Mapping[str, float]) -> None:
     findings, known = Findings(), [f"{s}.{key}" for s, table in RANGES.items() for key in table]
-    known = [key for key in known if key not in _GEOMETRY]
+    known = [*WATER, *(key for key in known if key not in _GEOMETRY)]
     for key, value in fixed.items():
         with findings.kept():
-            check_number(f"--set {check_known('number of a ship', key, known)}", value)
+            if key in _GEOMETRY:
+                raise ConfigError(f"--set {key}: is the option --{_GEOMETRY[key]}")
+            low, high = (1e-9, 1e9) if key in WATER else (-math.inf, math.inf)
+            name = check_known("number of a ship", key, known)
+            check_number(f"--set {name}", value, low, high, unit_of(key))
     findings.tell()

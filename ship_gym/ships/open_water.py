@@ -28,7 +28,7 @@ def starred(K, J):
     return 8.0 / math.pi * K / (J**2 + (0.7 * math.pi) ** 2)
 
 
-def coefficients(table: Table, J: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def coefficients(table: Table, J: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
     """K_T and K_Q of an open-water table at advance ratios J, each of J's shape."""
     J = np.asarray(J, dtype=float)
     starred_values = table(np.arctan(J / (0.7 * math.pi)))

@@ -70,13 +70,15 @@ def _polynomials(e: _Entry, where: str) -> tuple[np.ndarray, np.ndarray, tuple]:
     K_T = np.array(e.K_T[::-1])
     if e.K_Q:
         return K_T, np.array(e.K_Q[::-1]), e.J_range
-    J = np.linspace(*e.J_range, 33)
+    assert e.b_series is not None
+    J = np.linspace(e.J_range[0], e.J_range[1], 33)
     return K_T, np.polyfit(J, b_series(J, **dataclasses.asdict(e.b_series))[1], 3), e.J_range
 
 
 def _fitted(e: _Entry, where: str, folder: Path, card: dict) -> tuple:
     """As `_polynomials`, fitted to the points of a file, which `card` then names."""
     check_number(f"{where}.degree", e.degree, 1, 6)
+    assert e.points is not None
     path = folder / e.points
     if not path.is_file():
         raise ConfigError(f"{where}.points = {shown(e.points)}: no such file beside the ship file")
@@ -105,7 +107,7 @@ def _screw(e: _Entry, K_T: np.ndarray, J_range, reader: Reader) -> Screw:
     """Series screw that stands for the propeller outside its open-water data, as an estimate."""
     screw = e.four_quadrants or e.b_series
     if screw is None:
-        J = np.linspace(*J_range, 33)
+        J = np.linspace(J_range[0], J_range[1], 33)
         screw = nearest_screw(J, np.polyval(K_T, J))
     reader.sources["open_water.four_quadrants"] = "Roddy, Hess & Faller (2006)"
     reader.estimated["open_water.four_quadrants"] = (

@@ -13,14 +13,14 @@ import math
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ship_gym.config import ConfigError, ImplausibleShip, shown
 from ship_gym.conventions import G
-from ship_gym.ships.particulars import Ship
+from ship_gym.ships.particulars import PropulsionPoint, Ship
 from ship_gym.ships.ranges import (
     NOT_NEGATIVE,
     OPEN_WATER,
@@ -31,6 +31,7 @@ from ship_gym.ships.ranges import (
     TRIAL,
     Range,
 )
+from ship_gym.ships.trials import Trial
 
 _LEAST_REYNOLDS = 1e4  # ITTC-57 has a pole at 100
 
@@ -44,7 +45,7 @@ class Verdict(NamedTuple):
 
 # Basis of a range -> its SI unit, and its value for a ship that sails at U [m/s]; what a number is
 # divided by, so that it no longer depends on the size of the ship.
-_Basis = tuple[str, Callable[[Ship, float], float]]
+_Basis = tuple[str, Callable[[Any, Any], float]]  # a number of a ship that is read may be None
 BASES: dict[str, _Basis] = {
     "": ("", lambda s, U: 1.0),
     "L": ("m", lambda s, U: s.hull.L),
@@ -52,7 +53,7 @@ BASES: dict[str, _Basis] = {
     "d": ("m", lambda s, U: s.hull.d),
     "L_oa": ("m", lambda s, U: s.wind.L_oa),
     "L d": ("m2", lambda s, U: s.hull.L * s.hull.d),
-    "L (B + 2 d)": ("m2", lambda s, U: s.hull.L * (s.hull.B + 2.0 * s.hull.d)),
+    "L (1.7 d + C_b B)": ("m2", lambda s, U: 1.7 * s.hull.L * s.hull.d + s.hull.volume / s.hull.d),
     "L^2": ("m2", lambda s, U: s.hull.L**2),
     "B^2": ("m2", lambda s, U: s.hull.B**2),
     "A_L": ("m2", lambda s, U: s.wind.A_L),
@@ -74,7 +75,7 @@ BASES: dict[str, _Basis] = {
 
 _KEYS = {"L": "hull.L", "B": "hull.B", "d": "hull.d", "U": "speed", "rho": "rho"}
 _KEYS |= {"D": "propeller.D", "n_max": "engine.n_max", "torque_max": "engine.torque_max"}
-_KEYS |= {"L_oa": "wind.L_oa", "A_L": "wind.A_L"}
+_KEYS |= {"L_oa": "wind.L_oa", "A_L": "wind.A_L", "C_b": "hull.volume"}
 # basis -> keys of the numbers that it is made of
 _PARTS = {
     name: [_KEYS[word] for word in re.findall(r"\w+", name) if word in _KEYS] for name in BASES
@@ -102,7 +103,9 @@ def values_of(ship: Ship) -> Iterator[tuple[str, dict[str, Any], Mapping[str, Ra
         yield prefix, values, table, speed
     yield "open_water.", _open_water(ship), OPEN_WATER, speed
     for name, table in (("trial", TRIAL), ("propulsion", PROPULSION)):
-        points = ship.trials if name == "trial" else ship.propulsion
+        points: Sequence[Trial | PropulsionPoint] = (
+            ship.trials if name == "trial" else ship.propulsion
+        )
         for k, point in enumerate(points):
             yield f"{name}[{k}].", vars(point), table, point.speed
 
@@ -118,6 +121,12 @@ def _open_water(ship: Ship) -> dict[str, float]:
     found["K_T at J_high"] = K_T[1]
     if low != high:
         found["mean slope of K_T"] = (K_T[1] - K_T[0]) / (high - low)
+    J = np.linspace(max(low, 0.0), high, 50) if low < high and high > 0.0 else np.empty(0)
+    K_T, K_Q = np.polyval(card["K_T"], J), np.polyval(card["K_Q"], J)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        useful = np.where(K_Q > 0.0, J * K_T / (2.0 * math.pi * K_Q), math.inf)[K_T > 0.0]
+    if useful.size:
+        found["largest efficiency"] = useful.max()
     return {name: float(value) for name, value in found.items()}
 
 
@@ -128,7 +137,8 @@ def findings_of(ship: Ship) -> Verdict:
     are the limits that are shares of it. Of numbers by a number that is out of range, only what
     cannot be computed with is told: else one slip would be many findings.
     """
-    found, bad = Verdict([], []), set()
+    found = Verdict([], [])
+    bad: set[str] = set()
     for prefix, values, table, speed in values_of(ship):
         for name, allowed in table.items():
             if (value := values.get(name)) is not None:
@@ -154,6 +164,8 @@ def _look(
         if allowed.must not in (POSITIVE, NOT_NEGATIVE):
             return False
         allowed, usual, unit = Range(*allowed.must, must=allowed.must), allowed.must, 1.0
+    if doubtful and ship.strict and allowed.must == usual:
+        return False
     ratio = value / unit
     endless = math.isinf(value) and math.isfinite(allowed.high)
     if endless or not allowed.must[0] <= ratio <= allowed.must[1]:
@@ -229,7 +241,7 @@ def _propellers(ship: Ship) -> str:
 
 
 def _form(ship: Ship) -> str:
-    f = ship.form
+    f: Any = ship.form
     if (f.b_transom > 0.0) != (f.a_transom > 0.0):
         return (
             f"form.b_transom = {f.b_transom:g}, form.a_transom = {f.a_transom:g}: a transom needs "

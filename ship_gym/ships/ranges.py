@@ -15,6 +15,7 @@ from typing import NamedTuple
 INF = math.inf
 ANY = (-INF, INF)
 TINY = 5e-324  # the least number above zero
+BOX = 1.00001  # C_B of a box, whose volume is printed with six digits
 POSITIVE = (TINY, INF)
 NOT_NEGATIVE = (0.0, INF)
 
@@ -62,10 +63,10 @@ HULL = {
     "L": Range(0.5, 500.0, "", (3.06, 355.0), POSITIVE),
     "B": Range(0.05, 0.5, "L", (0.122, 0.181), POSITIVE),
     "d": Range(0.08, 1.0, "B", (0.284, 0.362), POSITIVE),
-    "volume": Range(0.25, 1.0, "L B d", (0.535, 0.8), (TINY, 1.0)),  # C_B; a box has 1
+    "volume": Range(0.25, BOX, "L B d", (0.535, 0.8), (TINY, BOX)),  # C_B
     "x_G": Range(-0.1, 0.1, "L", (-0.0164, 0.0357)),
     "k_zz": Range(0.15, 0.4, "L", (0.24, 0.251), POSITIVE),
-    "S": Range(0.35, 1.3, "L (B + 2 d)", (0.651, 0.853), POSITIVE),
+    "S": Range(0.7, 1.6, "L (1.7 d + C_b B)", (1.0, 1.06), POSITIVE),  # Denny-Mumford
     "form_factor": Range(0.9, 1.7, "", (1.09, 1.23), POSITIVE),
     "C_A": Range(-0.0005, 0.002, "", (0.000204, 0.000424)),
     "C_D": Range(0.1, 2.5, "", (0.967, 0.967), NOT_NEGATIVE),
@@ -195,6 +196,8 @@ OPEN_WATER = {
     "K_Q at J_low": Range(0.004, 0.4, "", (0.0311, 0.123)),
     "K_T at J_high": Range(-0.5, 0.5, "", (-0.0158, 0.219)),
     "mean slope of K_T": Range(-1.5, -0.15, "", (-0.513, -0.386)),
+    # J K_T / (2 pi K_Q); a tenth of it where the data hold 10 K_Q
+    "largest efficiency": Range(0.15, 0.95, "", (0.527, 0.859), (-INF, 1.0)),
 }
 
 # Trials and points of self-propulsion are at the scale of their ship; n by the point's own speed.

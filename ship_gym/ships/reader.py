@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Collection, Mapping
+import textwrap
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +16,25 @@ _TEXTS = ("source", "variant", "type")
 _NUMBER_KEYS = ("value", "unit", "source", "estimated")
 
 
-def _hint(section: str, name: str, estimated: bool) -> str:
-    """What may help where a number is missing."""
-    if section != "hull":
-        return ""
-    if estimated:
-        return "; hull.estimate = true fills up added masses, derivatives, S, k_zz and C_D only"
-    return "; hull.estimate = true fills it up" if name in FILLED else ""
+_LINE = 120  # characters of missing keys in one line
+
+
+def _missing(section: str, names: Sequence[str], estimated: bool) -> Iterator[str]:
+    """What is missing of a section in few lines, and what may help."""
+    filled = [name for name in names if name in FILLED]
+    hint = ""
+    if section == "hull" and estimated:
+        hint = "; hull.estimate = true fills up added masses, derivatives, S, k_zz and C_D only"
+    elif section == "hull" and filled:
+        many = "all of them" if len(filled) == len(names) else ", ".join(filled)
+        what = "it" if len(names) == 1 else many if len(many) <= _LINE else f"{len(filled)} of them"
+        hint = f"; hull.estimate = true fills {what} up"
+    if len(names) == 1:
+        yield f"missing key {section}.{names[0]!r}{hint}"
+        return
+    *lines, last = textwrap.wrap(", ".join(names), _LINE)
+    for line in (*lines, last + hint):
+        yield f"missing keys of [{section}]: {line.rstrip(',')}"
 
 
 class Reader:
@@ -42,7 +55,8 @@ class Reader:
 
     def __init__(self, path: Path, label: str = ""):
         self.path, self.label = path, label or str(path)
-        self.source, self.length = "", None
+        self.source = ""
+        self.length: float | None = None
         self.findings = Findings()
         self.sources: dict[str, str] = {}
         self.estimated: dict[str, str] = {}
@@ -95,13 +109,12 @@ class Reader:
     ) -> Any:
         """A dataclass of particulars; needed are the fields without a default but `spared`."""
         made = self._numbers(name, cls, values)
-        for field in dataclasses.fields(cls):
-            if field.name not in made and field.default is dataclasses.MISSING:
-                if field.name not in spared:
-                    hint = _hint(name, field.name, bool(spared))
-                    self.add(f"missing key {name}.{field.name!r}{hint}")
-                made[field.name] = None
-        return cls(**made)
+        needed = [f.name for f in dataclasses.fields(cls) if f.default is dataclasses.MISSING]
+        missing = [key for key in needed if key not in made]
+        if told := [key for key in missing if key not in spared]:
+            for line in _missing(name, told, bool(spared)):
+                self.add(line)
+        return cls(**made, **dict.fromkeys(missing))
 
     def replaced(self, name: str, section: Any, values: Mapping[str, Any]) -> Any:
         """An existing section with some numbers replaced."""
@@ -128,7 +141,9 @@ class Reader:
         if not isinstance(entry, Mapping):
             entry = {"value": entry, "unit": "-"}
         self.known(entry, _NUMBER_KEYS, where)
-        texts = {k: self.text(f"{where}.{k}", entry[k]) for k in _NUMBER_KEYS[1:] if k in entry}
+        texts: dict[str, Any] = {
+            k: self.text(f"{where}.{k}", entry[k]) for k in _NUMBER_KEYS[1:] if k in entry
+        }
         result = None
         with self.kept():
             result = self._si(where, unit, entry.get("value"), texts.get("unit", "-"))

@@ -29,10 +29,13 @@ def surrogate_names(units: int) -> tuple[str, ...]:
 
 
 SHIP_DTYPE = record_type(
-    [("rho", np.float64), ("kind", np.int64)]
-    + [
-        (name, record_type([(field, np.float64) for field in part._fields]))
-        for name, part in SECTIONS.items()
+    [
+        ("rho", np.float64),
+        ("kind", np.int64),
+        *(
+            (name, record_type([(field, np.float64) for field in part._fields]))
+            for name, part in SECTIONS.items()
+        ),
     ]
 )
 
@@ -87,7 +90,7 @@ def fleet(ships: list[Ship]) -> Fleet:
         _fill(made[kind], ship, kind)
     records = made[numbers]
     open_water = _stacked([ship.open_water.values for ship in kinds], "open-water")
-    present = [_by_unit(anchored(ship)) for ship in kinds if ship.surrogate is not None]
+    present = [_by_unit(anchored(s, s.surrogate)) for s in kinds if s.surrogate is not None]
     blank = np.zeros_like(present[0]) if present else np.zeros((2, 2, 2, len(CHANNELS)))
     rest = iter(present)
     tables = [blank if ship.surrogate is None else next(rest) for ship in kinds]
@@ -116,8 +119,8 @@ def numbered(things: Sequence[T]) -> tuple[list[T], list[int]]:
     return list(places), numbers
 
 
-def anchored(ship: Ship) -> Table:
-    """Surrogate of a ship, its thrust and torque shifted to the known point straight ahead.
+def anchored(ship: Ship, table: Table) -> Table:
+    """Surrogate `table` of a ship, its thrust and torque shifted to the known point straight ahead.
 
     At zero drift they become those of the open-water curve in the ship's wake; the shift is the
     same at every drift angle. K_T is nearly a line in J (1 - w), so that is a shift of the wake:
@@ -126,7 +129,6 @@ def anchored(ship: Ship) -> Table:
     trained 45 deg a deviation does not die out.) Done here, at the ship's scale, because the wake
     depends on it. The table as it stands if its card does not say ``anchored``.
     """
-    table = ship.surrogate
     if not table.card.get("anchored"):
         return table
     axis = ship.open_water.axes[0]
@@ -148,8 +150,10 @@ def anchored(ship: Ship) -> Table:
 
 def as_computed(ship: Ship) -> Ship:
     """The ship with its surrogate as the samples have it: no shift by `anchored`."""
-    card = {**ship.surrogate.card, "anchored": False}
-    return dataclasses.replace(ship, surrogate=dataclasses.replace(ship.surrogate, card=card))
+    table = ship.surrogate
+    assert table is not None
+    card = {**table.card, "anchored": False}
+    return dataclasses.replace(ship, surrogate=dataclasses.replace(table, card=card))
 
 
 def _by_unit(table: Table) -> np.ndarray:

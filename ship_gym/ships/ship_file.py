@@ -61,11 +61,12 @@ def complete_ship(data: Mapping[str, Any], path: Path, label: str = "") -> Ship:
     """
     reader = Reader(path, label)
     reader.known(data, _TOP)
-    for key in _NEEDED:
-        if key not in data:
-            reader.add(f"missing key {key!r}")
-    texts = {key: reader.text(key, data[key]) for key in _TEXTS if key in data}
-    reader.source = texts.get("source", "")
+    if missing := [repr(key) for key in _NEEDED if key not in data]:
+        reader.add(f"missing key{'s' if len(missing) > 1 else ''} {', '.join(missing)}")
+    # what cannot be read is None in the ship, until `_judged` refuses her
+    texts: dict[str, Any] = dict.fromkeys(_TEXTS)
+    texts |= {key: reader.text(key, data[key]) for key in _TEXTS if key in data}
+    reader.source = texts["source"] or ""
     parts = {
         name: reader.table(name, data[name])
         for name in (*_SECTIONS, *_OPTIONAL, "open_water", "surrogate")
@@ -74,20 +75,21 @@ def complete_ship(data: Mapping[str, Any], path: Path, label: str = "") -> Ship:
     _check_surrogate(parts.get("surrogate") or {}, reader)
     sections = _sections(parts, reader)
     strict = reader.switch("strict", data.get("strict", True))
+    table: Any = open_water(parts.get("open_water"), reader)
     ship = Ship(
         name=name_of(path),
-        title=texts.get("title"),
-        status=texts.get("status"),
-        open_water=open_water(parts.get("open_water"), reader),
+        title=texts["title"],
+        status=texts["status"],
+        open_water=table,
         variant=(parts.get("hull") or {}).get("variant", "published"),
         wind_type=(parts.get("wind") or {}).get("type", ""),
-        wave_table=_wave_table(path),
+        **_wave_table(path),
         trials=_trials(data, reader),
         propulsion=_propulsion(data, reader),
         sources=reader.sources,
         estimated=reader.estimated,
         strict=strict is not False,
-        **{key: reader.number(key, _UNITS[key], data.get(key)) for key in _UNITS},
+        **_numbers(data, reader),
         **sections,
     )
     return _judged(ship, reader)
@@ -105,10 +107,10 @@ def scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
     reader.source = f"{base.name} by Froude's law"
     parts = [*_SECTIONS, *(name for name in _OPTIONAL if getattr(base, name) is not None)]
     reader.known(data, (*_OWN, *parts))
-    texts = {key: reader.text(key, data[key]) for key in _TEXTS[:2] if key in data}
+    texts: dict[str, Any] = {k: reader.text(k, data[k]) for k in _TEXTS[:2] if k in data}
     strict = reader.switch("strict", data.get("strict", base.strict))
     wake = reader.switch("wake_correction", data.get("wake_correction", True))
-    ship = None
+    ship: Ship | None = None
     with reader.kept():
         length = reader.number("length", "m", data.get("length"))
         ship = scaled(base, length, wake_correction=wake) if length is not None else None
@@ -122,6 +124,7 @@ def scaled_ship(base: Ship, data: Mapping[str, Any], path: Path) -> Ship:
     points = _propulsion(data, reader)
     if ship is None:
         reader.findings.tell()
+    assert ship is not None  # else there was a finding
     ship = dataclasses.replace(
         ship,
         **texts,
@@ -146,13 +149,18 @@ def _judged(ship: Ship, reader: Reader) -> Ship:
     return dataclasses.replace(ship, implausible=tuple(found.implausible))
 
 
+def _numbers(data: Mapping[str, Any], reader: Reader) -> dict[str, Any]:
+    """Numbers of no section."""
+    return {k: reader.number(k, unit, data[k]) if k in data else None for k, unit in _UNITS.items()}
+
+
 def _sections(parts: Mapping[str, Mapping | None], reader: Reader) -> dict[str, Any]:
     """Sections of particulars; None where there is none."""
     hull = parts.get("hull") or {}
     if "L" in hull:
         length = reader.number("hull.L", "m", hull["L"])
         reader.length = length if length is not None and length > 0.0 else None
-    sections = {}
+    sections: dict[str, Any] = {}
     for name, cls in (_SECTIONS | _OPTIONAL).items():
         values = parts.get(name)
         if values is None:
@@ -173,7 +181,7 @@ def _filled_up(hull: Mapping[str, Any], reader: Reader) -> tuple[dict[str, Any],
     wanted = reader.switch("hull.estimate", hull.pop("estimate", False))
     if not wanted:
         return hull, ()
-    main = {
+    main: dict[str, Any] = {
         key: reader.number(f"hull.{key}", unit, hull[key])
         for key, unit in _MAIN.items()
         if key in hull
@@ -195,13 +203,14 @@ def _check_surrogate(entry: Mapping[str, Any], reader: Reader) -> None:
         reader.text("surrogate.default", entry["default"])
 
 
-def _wave_table(path: Path) -> str:
-    """Path of the wave table beside a ship file, of this ship or of all; empty without one."""
+def _wave_table(path: Path) -> dict[str, Any]:
+    """The wave table beside a ship file, of this ship or of all, if there is one."""
     for name in (f"waves_{name_of(path)}.npz", "waves.npz"):
         found = path.resolve().with_name(name)
         if found.is_file():
-            return str(found)
-    return ""
+            state = found.stat()
+            return {"wave_table": str(found), "wave_state": (state.st_mtime_ns, state.st_size)}
+    return {}
 
 
 def _propulsion(data: Mapping[str, Any], reader: Reader) -> tuple[PropulsionPoint, ...]:

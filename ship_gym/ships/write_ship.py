@@ -25,6 +25,8 @@ def ship_text(ship: Ship, source: str) -> str:
     """
     lines = [f"{key} = {_quoted(getattr(ship, key))}" for key in ("title", "status")]
     lines.append(f"source = {_quoted(source)}")
+    if not ship.strict:
+        lines.append("strict = false")
     lines += [_number(ship, key, getattr(ship, key), unit) for key, unit in _TOP.items()]
     for name in ("hull", "propeller"):
         lines += _section(ship, name)

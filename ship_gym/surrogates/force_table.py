@@ -177,8 +177,8 @@ def law_samples(fit: Fit, side: str, S_R: float) -> RudderSamples:
     delta = training.delta(data.delta)
     if np.ndim(delta):  # of a scattered set those with a force of which a relative error is told
         over = delta >= 0.5 * np.max(delta)
-        parts = (x[over] for x in (J, beta, K_T, C_Fx, data.sign * C_Fy, delta))
-        return RudderSamples(*parts, S_R)
+        delta = np.asarray(delta)[over]
+        J, beta, K_T, C_Fx, C_Fy = (x[over] for x in (J, beta, K_T, C_Fx, C_Fy))
     return RudderSamples(J, beta, K_T, C_Fx, data.sign * C_Fy, delta, S_R)
 
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,13 @@ class Training:
     def validation_loss(self) -> np.ndarray:
         """The same over the validation set."""
         return 0.5 * self.validation_squares.sum(axis=2)
+
+    def member(self, k: int) -> Training:
+        """Member k as if it had been trained alone."""
+        one = slice(k, k + 1)
+        layers = {name: self.weights[name][one] for name in ("hidden", "output")}
+        squares = self.training_squares[:, one], self.validation_squares[:, one]
+        return Training({**self.weights, **layers}, *squares, self.stopped_at[one])
 
 
 def network_outputs(weights: dict[str, Any], X: np.ndarray) -> np.ndarray:
@@ -112,29 +120,72 @@ def train_network(
         Train on inputs of mean 0 and standard deviation 1. The weights in the result are always
         those for the inputs as they stand.
     """
-    n, n_val = len(X), len(X_val)
+    shares = _two_sets(members, len(X), len(X_val))
+    both = np.concatenate([X, X_val]), np.concatenate([Y, Y_val])
+    return _train(*both, shares, order, [seed], iterations, learning_rate, standardise)
+
+
+def train_networks(
+    X: np.ndarray,
+    Y: np.ndarray,
+    X_val: np.ndarray,
+    Y_val: np.ndarray,
+    seeds: Sequence[int],
+    *,
+    order: str = "network",
+    iterations: int = 5000,
+    learning_rate: float = 0.01,
+) -> Training:
+    """Train a network for each seed at once, each on outputs of its own at the same inputs.
+
+    Member k is what `train_network` gives for ``Y[k]``, ``Y_val[k]`` and ``seeds[k]``, but for the
+    rounding of sums.
+
+    Parameters
+    ----------
+    X, X_val : numpy.ndarray
+        Inputs as in `train_network`.
+    Y, Y_val : numpy.ndarray
+        Outputs within (0, 1), shapes (seeds, n, outputs) and (seeds, n_val, outputs).
+    seeds : sequence of int
+    order, iterations, learning_rate
+        As in `train_network`.
+    """
+    shares = _two_sets(len(seeds), len(X), len(X_val))
+    both = np.concatenate([X, X_val]), np.concatenate([Y, Y_val], axis=1)
+    return _train(*both, shares, order, seeds, iterations, learning_rate, standardise=False)
+
+
+def _two_sets(members: int, n: int, n_val: int) -> np.ndarray:
+    """Shares of the points in the losses of training and validation, (2, members, n + n_val)."""
     shares = np.zeros((2, members, n + n_val))
     shares[0, :, :n], shares[1, :, n:] = 1.0 / n, 1.0 / n_val
-    both = np.concatenate([X, X_val]), np.concatenate([Y, Y_val])
-    return _train(*both, shares, order, seed, iterations, learning_rate, standardise)
+    return shares
 
 
-def _train(X, Y, shares, order, seed, iterations, learning_rate, standardise) -> Training:
-    """All members at once; ``shares[0]`` and ``shares[1]`` weigh the points in the two losses."""
+def _train(X, Y, shares, order, seeds, iterations, learning_rate, standardise) -> Training:
+    """All members at once; ``shares[0]`` and ``shares[1]`` weigh the points in the two losses.
+
+    One of the `seeds` is for all members together, more are one for each; so are outputs `Y` of
+    shape (n, outputs) and (members, n, outputs).
+    """
     _check_training(X, Y, shares[0].any(axis=0), order, iterations)
     matrix = features(X, order)
     shift, scale = np.zeros(matrix.shape[1]), np.ones(matrix.shape[1])
     if standardise:  # all but the first feature, 1
         shift[1:], scale[1:] = matrix[:, 1:].mean(axis=0), matrix[:, 1:].std(axis=0)
         scale[scale < 1e-12] = 1.0
-    layers = _start(shares.shape[1], matrix.shape[1], Y.shape[1], seed)
+    each = shares.shape[1] // len(seeds)
+    starts = [_start(each, matrix.shape[1], Y.shape[-1], seed) for seed in seeds]
+    layers = _joined(starts)
     layers, squares, stopped_at = _descend(
         (matrix - shift) / scale, Y, shares, layers, iterations, learning_rate
     )
     hidden = layers[0].numpy() / scale[:, None]
     hidden[:, 0] -= shift @ hidden
     weights = {"features": order, "hidden": hidden.tolist(), "output": layers[1].tolist()}
-    return Training(weights, *squares.numpy(), stopped_at.numpy())
+    training, validation = squares.numpy()
+    return Training(weights, training, validation, stopped_at.numpy())
 
 
 def _start(members: int, inputs: int, outputs: int, seed: int) -> list:
@@ -145,8 +196,15 @@ def _start(members: int, inputs: int, outputs: int, seed: int) -> list:
     layers = []
     for rows, columns in ((inputs, NEURONS), (NEURONS + 1, outputs)):
         normal = torch.randn(members, rows, columns, generator=random, dtype=torch.float64)
-        layers.append((normal / math.sqrt(rows)).requires_grad_())
+        layers.append(normal / math.sqrt(rows))
     return layers
+
+
+def _joined(starts: list[list]) -> list:
+    """Layers of all members, ready to be trained."""
+    import torch
+
+    return [torch.cat(layers).requires_grad_() for layers in zip(*starts, strict=True)]
 
 
 def _descend(matrix, Y, shares, layers, iterations, learning_rate) -> tuple:
@@ -158,7 +216,7 @@ def _descend(matrix, Y, shares, layers, iterations, learning_rate) -> tuple:
     hidden, output = layers
     optimiser = torch.optim.Adam(layers, lr=learning_rate)
     kept = [layer.detach().clone() for layer in layers]
-    members, outputs = hidden.shape[0], Y.shape[1]
+    members, outputs = hidden.shape[0], Y.shape[-1]
     least = torch.full((members,), math.inf, dtype=torch.float64)
     stopped_at = torch.zeros(members, dtype=torch.long)
     history = torch.zeros(2, iterations, members, outputs, dtype=torch.float64)
@@ -184,7 +242,7 @@ def _check_training(X, Y, trained, order, iterations) -> None:
         raise ConfigError(f"iterations = {iterations}: allowed is 1 or more")
     if not (np.isfinite(X).all() and np.isfinite(Y).all()):
         raise ConfigError("network training set: J, angle and outputs must be finite numbers")
-    low, high = Y[trained].min(), Y[trained].max()
+    low, high = Y[..., trained, :].min(), Y[..., trained, :].max()
     if low <= 0.0 or high >= 1.0:
         raise ConfigError(
             f"network outputs range from {low:g} to {high:g} in training: allowed is within "
@@ -273,7 +331,7 @@ class NeuralNetwork:
         masks = np.stack([~out, out])
         shares = masks / masks.sum(axis=2, keepdims=True)
         scaled = OUTPUT_RANGE[0] + (OUTPUT_RANGE[1] - OUTPUT_RANGE[0]) * (y - low) / (high - low)
-        options = (self.order, self.seed, self.iterations, self.learning_rate, self.standardise)
+        options = (self.order, [self.seed], self.iterations, self.learning_rate, self.standardise)
         self.training = _train(X, scaled[:, None], shares, *options)
         self.weights = {**self.training.weights, "low": low, "high": high}
         return self

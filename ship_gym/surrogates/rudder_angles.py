@@ -114,7 +114,7 @@ def _usable(data: DataSet) -> list[float]:
 
 def at_angle(whole: Fit, delta: float) -> Fit:
     """One plane [rad] of a fit to a scattered set; its samples stay those of all angles."""
-    models = {
+    models: dict[str, dict[str, Any]] = {
         side: {name: AtAngle(model, delta) for name, model in models.items()}
         for side, models in whole.models.items()
     }

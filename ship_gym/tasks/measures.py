@@ -94,7 +94,7 @@ def control_cost(psi_error: np.ndarray, delta: np.ndarray, lam: float) -> np.nda
     return np.mean(np.degrees(psi_error) ** 2 + lam * np.degrees(delta) ** 2, axis=0)
 
 
-def turning(orders: Iterable[int], count: int, interval: float) -> np.ndarray:
+def turning(orders: Iterable[float], count: int, interval: float) -> np.ndarray:
     """Which of `count` intervals begin within `TURN` after an order, shape (count,), bool.
 
     Parameters

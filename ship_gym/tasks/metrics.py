@@ -63,6 +63,7 @@ def metrics(trajectory: Trajectory) -> dict[str, float | None]:
         )
     _check(trajectory)
     names, task = metrics_of(trajectory.meta["task"]), TASKS[trajectory.meta["task"]]
+    assert task.measure is not None  # as `metrics_of` has seen
     own = task.measure(trajectory)
     if set(own) != set(task.metrics):
         raise ConfigError(

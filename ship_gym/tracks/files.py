@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -63,7 +64,8 @@ def load_track(
         return source.track()
     if not isinstance(source, str | os.PathLike):
         check_count(len(source) if isinstance(source, Sequence | np.ndarray) else 0)
-        return Track(source)
+        points: Any = source
+        return Track(points)
     found = _read(source, geometry)
     with told_of(Path(source)):
         return found.track() if isinstance(found, Route) else found
@@ -116,7 +118,7 @@ def save_track(
     path = Path(path)
     write = _WRITERS[_suffix(path)]
     route = track if isinstance(track, Route) else track.route
-    if route is None:
+    if isinstance(track, Track) and route is None:
         chart = track.chart if origin_deg is None else Chart.about(*origin_deg)
         if chart is None:
             _save_metres(track, path)
@@ -124,6 +126,7 @@ def save_track(
         north, east = track.points.T
         places = zip(*(v.tolist() for v in chart.place(north, east)), strict=True)
         route = Route("", tuple(Waypoint(*place) for place in places))
+    assert route is not None
     write(route, path)
 
 

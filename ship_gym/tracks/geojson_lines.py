@@ -16,9 +16,10 @@ def features_of(data: dict[str, Any]) -> list[dict[str, Any]]:
     if data["type"] == "Feature":
         features = [data]
     elif data["type"] == "FeatureCollection":
-        features = data.get("features")
-        if not isinstance(features, list) or not all(isinstance(f, dict) for f in features):
+        found = data.get("features")
+        if not isinstance(found, list) or not all(isinstance(f, dict) for f in found):
             raise ConfigError('the FeatureCollection has no list "features" of objects')
+        features = found
     else:
         features = [{"geometry": data}]
     return [feature for feature in features if member(feature, "geometry")]

@@ -181,6 +181,6 @@ def _leg_attributes(leg: Leg, where: str) -> dict[str, str]:
 
 def _ids(route: Route) -> list[int]:
     """Ids of the way-points: their own if all have one and no two the same, else 1, 2, 3..."""
-    ids = [point.id for point in route.waypoints]
-    own = None not in ids and len(set(ids)) == len(ids)
-    return ids if own else list(range(1, len(ids) + 1))
+    count = len(route.waypoints)
+    ids = [point.id for point in route.waypoints if point.id is not None]
+    return ids if len(set(ids)) == count else list(range(1, count + 1))

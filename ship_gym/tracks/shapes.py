@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ship_gym.config import check_known
 from ship_gym.tracks.track import Track
 
@@ -44,4 +46,4 @@ SHAPES: dict[str, Points] = {
 
 def shape_track(name: str, L: float = 1.0) -> Track:
     """Named track of `SHAPES` for a ship of length `L` [m]; unknown names are a ConfigError."""
-    return Track(SHAPES[check_known("track", name, SHAPES)]).scaled(L)
+    return Track(np.array(SHAPES[check_known("track", name, SHAPES)])).scaled(L)

@@ -210,10 +210,11 @@ _compiler.LOOP, _compiler.PART, _compiler.WORKS = {}, {}, False
 
 @functools.cache
 def numbers(plain="", **extra):
-    """What the script above prints, in a process of its own."""
+    """What the script above prints, in a process of its own, by the version of all ships."""
     done = subprocess.run(
         [sys.executable, "-c", SAILED.replace("PLAIN", plain)],
-        env={**os.environ, **extra}, capture_output=True, text=True, check=True,
+        env={**os.environ, "SHIP_GYM_ONE_VERSION": "1", **extra},
+        capture_output=True, text=True, check=True,
     )  # fmt: skip
     return [np.array([float.fromhex(x) for x in row.split()]) for row in done.stdout.splitlines()]
 

@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -118,10 +117,10 @@ def test_after_it_nothing_is_compiled(tmp_path):
     words = ("warm-up", "--ship", "kcs", "onrt", "--task", "heading_keeping", "--jobs", "2")
     first = ship_gym(tmp_path, *words, "--json")
     assert first["compiled"] > 10 and first["folder"].startswith(str(tmp_path))
-    start = time.perf_counter()
+    before = os.times().children_user
     again = ship_gym(tmp_path, *words, "--json")
     assert again["compiled"] == 0
-    assert time.perf_counter() - start < 15.0  # 2 s on a quiet machine; compiling takes a minute
+    assert os.times().children_user - before < 15.0  # 4 s of processors; compiling takes a minute
     env = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     env.pop("NUMBA_DISABLE_JIT", None)
     for ship in ("kcs_model", "onrt_model"):

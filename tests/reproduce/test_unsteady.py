@@ -118,7 +118,7 @@ def test_unknown_cases():
 
 
 def test_a_short_comparison_has_every_row():
-    found = compare(0, iterations=300)
+    (found,) = compare([0], iterations=300)
     assert set(found["orders"]) == set(ORDERS)
     stopped, end = found["stopping"]["stopped"], found["stopping"]["end"]
     assert stopped["loss"] <= end["loss"]
@@ -127,11 +127,11 @@ def test_a_short_comparison_has_every_row():
 
 def test_in_open_water_the_regression_comes_to_the_printed_loss():
     """Section 3.2.2 prints 5.13e-5 (4.4e-5 by its own errors); the noise alone makes 3.1e-5."""
-    found = [open_water_test(seed, 10)["rows"]["test, second"]["loss"] for seed in range(5)]
+    found = [one["rows"]["test, second"]["loss"] for one in open_water_test(range(5), 10)]
     assert 3.1e-5 < np.median(found) < 5.13e-5
 
 
-@pytest.mark.slow  # thirty trainings of 5000 iterations: three minutes
+@pytest.mark.slow  # thirty trainings of 5000 iterations, ten at a time
 def test_the_network_with_early_stopping_beats_the_second_order_on_thrust_and_torque():
     """Tables 3 and 4 and test 3 in kind, medians of ten seeds.
 

@@ -1,4 +1,5 @@
 import json
+import math
 
 import pytest
 from ship_gym_agents.cli import load_verb
@@ -49,3 +50,24 @@ def test_nothing_is_written_where_something_is_wrong(folder):
     with pytest.raises(ConfigError, match="no ship does this"):  # she circles on the spot
         new_ship("mine", *BARGE, "--L", "60")
     assert list(folder.iterdir()) == []
+
+
+def test_a_ship_like_no_other_is_written_if_she_is_meant(folder, capsys):
+    with pytest.raises(ConfigError, match="if it is meant: --no-strict"):
+        new_ship("broad", *BARGE, "--L", "60")
+    new_ship("broad", *BARGE, "--L", "60", "--no-strict")
+    said = capsys.readouterr().out
+    assert "doubtful: hull derivatives: regressions at C_b 1.00" in said
+    assert not load_ship("broad/ship.toml").strict
+
+
+def test_units_of_a_brochure(folder, capsys):
+    new_ship("knots", *TANKER, "--speed", "15kn", "--set", "gear.delta_max=45deg", "--json")
+    assert json.loads(capsys.readouterr().out)["doubtful"] == []
+    ship = load_ship("knots/ship.toml")
+    assert ship.speed == pytest.approx(15 * 1852 / 3600, rel=1e-5)
+    assert ship.gear.delta_max == pytest.approx(math.pi / 4, rel=1e-5)
+    with pytest.raises(ConfigError) as error:
+        new_ship("feet", *TANKER, "--L", "807ft", "--speed", "15mph")
+    assert "--L = '807ft': must be a number [m]" in str(error.value)
+    assert "--speed = '15mph': must be a number [m/s]" in str(error.value)

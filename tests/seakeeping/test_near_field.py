@@ -1,5 +1,7 @@
 """Mean drift by the pressure on the hull beside the far field, at rest and at speed."""
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -15,19 +17,37 @@ pytest.importorskip("capytaine")
 HEADINGS = np.radians([150.0, 120.0, 90.0, 60.0, 30.0])
 
 
+@functools.cache
 def problem_of(name, *size):
     ship = load_ship(name)
     return make_problem(ship, parametric_mesh(ship, *size))
+
+
+KEPT = {}  # solutions of the problems that `problem_of` keeps
+
+
+def once(solve, hull, *of):
+    """What solve gives for a hull and numbers; several tests ask for the same."""
+    key = solve, id(hull), *of
+    if key not in KEPT:
+        KEPT[key] = solve(hull, *of)
+    return KEPT[key]
+
+
+def diffracted(hull, k):
+    """Flow by heading: all that the tests ask for, solved together."""
+    headings = np.unique(np.append(HEADINGS, np.radians([180.0, 135.0, -135.0])))
+    return dict(zip(headings, diffraction(hull, k, headings), strict=True))
 
 
 def both(problem, ratio, mu, speed=0.0, free=True):
     """Far and near field: surge, sway, yaw of each, and the far field's `Drift`."""
     k = 2.0 * np.pi / ratio
     omega_e = encounter_frequency(k, mu, speed)
-    flow, xi, absorbed = diffraction(problem.hull, k, np.array([mu]))[0], np.zeros(6, complex), None
+    flow, xi, absorbed = once(diffracted, problem.hull, k)[mu], np.zeros(6, complex), None
     if free:
-        omega = omega_e * np.array([0.99, 1.01])
-        waves = Radiation(omega, np.array([radiation(problem.hull, w**2) for w in omega]))
+        omega = omega_e * np.array([0.99, 1.01])  # at rest the same for all headings
+        waves = Radiation(omega, np.array([once(radiation, problem.hull, w**2) for w in omega]))
         xi, flow = motions(problem.hull, problem.body, flow, waves, k, mu, speed)
         absorbed = absorbed_action(problem.hull, problem.body, waves, xi, omega_e, speed)
     d = drift(problem.hull, flow, k, mu, speed, absorbed=absorbed)

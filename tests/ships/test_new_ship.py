@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from ship_gym.config import ConfigError
+from ship_gym.ships.doubts import doubts
+from ship_gym.ships.estimates import MIDSHIP, WATERPLANE
 from ship_gym.ships.estimators import estimated_hull
 from ship_gym.ships.loader import load_ship
-from ship_gym.ships.new_ship import new_ship
+from ship_gym.ships.new_ship import new_ship, number_of
 from ship_gym.ships.particulars import Hull
 from ship_gym.ships.plausible import checked
 from ship_gym.ships.powering import powering
@@ -131,7 +133,13 @@ def test_everything_that_is_wrong_is_told_at_once():
     with pytest.raises(ConfigError) as error:
         new_ship("kvlcc2", "x", {"L": 0.1, "B": "x", "C_b": 1.2}, {"hull.L": 3.0, "form.KG": "a"})
     lines = str(error.value).splitlines()
-    told = ("'hull.L'", "--set form.KG = 'a'", "--L = 0.1", "--B = 'x'", "--C_b = 1.2")
+    told = (
+        "--set hull.L: is the option --L",
+        "--set form.KG = 'a'",
+        "--L = 0.1",
+        "--B = 'x'",
+        "--C_b = 1.2",
+    )
     assert all(any(words in line for line in lines) for words in told)
     assert lines[-1] == "missing --d, --speed" and len(lines) == 6, lines
     with pytest.raises(ConfigError, match="missing --L, --B, --d, --speed, --C_b"):
@@ -162,3 +170,91 @@ def test_an_engine_without_a_torque_limit_keeps_none():
     made = new_ship(old, "tanker", TANKER)
     assert made.engine.torque_max == math.inf and made.engine.torque_brake == 0.0
     assert "torque_max" not in ship_text(made, "given")
+
+
+def test_slopes_of_waterplane_and_midship_are_those_of_the_ships_of_the_package():
+    ships = [load_ship(name, surrogate="none") for name in ("dtc", "kcs", "kvlcc2", "onrt", "s175")]
+    C_b = [s.hull.volume / (s.hull.L * s.hull.B * s.hull.d) for s in ships]
+    for key, slope in (("C_wp", WATERPLANE), ("C_m", MIDSHIP)):
+        assert np.polyfit(C_b, [getattr(s.form, key) for s in ships], 1)[0] == pytest.approx(
+            slope, abs=0.005
+        )
+
+
+def test_water_is_a_number_of_the_ship_too():
+    fresh = new_ship("kvlcc2", "fresh", TANKER, {"rho": 1000.0, "nu": 1.1e-6})
+    assert (fresh.rho, fresh.nu) == (1000.0, 1.1e-6)
+    assert not {"rho", "nu"} & fresh.estimated.keys()
+    salt = new_ship("kvlcc2", "salt", TANKER)
+    assert fresh.engine.torque_max / salt.engine.torque_max == pytest.approx(
+        1000.0 / salt.rho, rel=0.01
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "number"),
+    [
+        ("7.7", "m/s", 7.7),
+        ("15kn", "m/s", 15 * 1852 / 3600),
+        ("90 rpm", "rev/s", 1.5),
+        ("45deg", "rad", math.pi / 4),
+        ("2.5e-1 m", "m", 0.25),
+        ("246000mm", "m", "246000mm"),
+        ("15 kn", "m", "15 kn"),
+        ("1.2.3", "m", "1.2.3"),
+        ("-", "-", "-"),
+        ("nan", "m", "nan"),
+    ],
+)
+def test_numbers_may_have_their_unit(text, unit, number):
+    assert number_of(text, unit) == (
+        number if isinstance(number, str) else pytest.approx(number, rel=1e-12)
+    )
+
+
+@pytest.mark.parametrize(
+    ("given", "fixed", "words"),
+    [
+        ({}, {"propeller.w_P0": 40.0, "gear.delta_max": 0.01, "rho": 0.999}, 3 * [""]),
+        ({}, {"propeller.t_P": 1.0}, ["propeller.t_P = 1: allowed"]),
+        ({"D_P": 2.0}, {}, ["propeller.D = 2 m"]),
+        ({}, {"wind.L_oa": -0.5}, ["wind.L_oa = -0.5"]),
+    ],
+)
+def test_a_number_that_stops_the_estimates_is_told_itself(given, fixed, words):
+    """No propeller speed drives her; what is wrong is the number, not the search for the speed."""
+    with pytest.raises(ConfigError) as error:
+        checked(new_ship("kvlcc2", "x", {**TANKER, **given}, fixed))
+    text = str(error.value)
+    assert all(key in text for key in fixed) and all(word in text for word in words)
+
+
+def test_what_is_far_from_what_estimates_know_is_doubted():
+    old = load_ship("kvlcc2")
+    assert doubts(new_ship(old, "near", {**TANKER, "L": 255.0, "speed": 7.4}), old) == ()
+    tug = {"L": 28.0, "B": 10.5, "d": 4.2, "C_b": 0.55, "speed": 6.0}
+    found = " ".join(doubts(new_ship(old, "tug", tug), old))
+    assert "Fn 0.36, kvlcc2's 0.14" in found and "C_b 0.55" in found and "L/B 2.67" in found
+    known = doubts(new_ship(old, "tug", tug, {"hull.R_0": 0.03, "hull.Y_v": -0.4}), old)
+    assert not any(words in " ".join(known) for words in ("resistance", "derivatives"))
+    pusher = {"L": 110.0, "B": 11.4, "d": 2.8, "C_b": 0.88, "speed": 4.0}
+    assert "1.31 m is small" in " ".join(doubts(new_ship(old, "pusher", pusher), old))
+    given = doubts(new_ship(old, "pusher", {**pusher, "D_P": 1.4}), old)
+    assert "is small" not in " ".join(given)
+
+
+def test_a_ship_that_is_not_strict_says_so_in_her_file(tmp_path):
+    made = dataclasses.replace(_without_form(new_ship("kvlcc2", "b", BARGE)), strict=False)
+    path = tmp_path / "b.toml"
+    path.write_text(ship_text(made, "given"), encoding="utf-8")
+    assert load_ship(path).strict is False
+
+
+@pytest.mark.parametrize("size", [(80.0, 16.0, 3.0), (61.7, 12.3, 2.7), (57.3, 12.3, 2.3)])
+def test_a_box_is_not_fuller_than_a_box_by_rounding(size, tmp_path):
+    """C_b of the last two is 1 + 1e-6 in their files, whose numbers have six digits."""
+    L, B, d = size
+    made = _without_form(new_ship("kvlcc2", "b", {**BARGE, "L": L, "B": B, "d": d}))
+    path = tmp_path / "b.toml"
+    path.write_text(ship_text(made, "given"), encoding="utf-8")
+    assert load_ship(path).hull.volume == pytest.approx(L * B * d, rel=1e-5)

@@ -55,6 +55,7 @@ REFUSED = [
     ("speed = { value = 1.179", "speed = { value = 0", "speed = 0 m/s"),
     ("full_length = { value = 320.0", "full_length = { value = -320.0", "full_length = -320 m"),
     ("full_length = { value = 320.0", "full_length = { value = 0", "full_length = 0 m"),
+    ("S = { value = 13.073", "S = { value = 6.5365", "hull.S = 6.5365 m2"),  # of one side
     (
         "delta_max = { value = 35.0",
         "delta_max = { value = 0.61",
@@ -367,6 +368,53 @@ def test_slips_of_a_unit_and_of_a_sign_are_noticed():
     damping = {"hull.Y_v", "hull.N_v", "hull.N_r", "hull.X_vv", "hull.N_vvr", "hull.Y_vrr"}
     rudder = {f"rudder.{key}" for key in RANGES["rudder"]} - {"rudder.neutral"}
     assert not (sized | damping | rudder) & unnoticed(-1.0)
+
+
+@pytest.mark.parametrize(("factor", "words"), [(10.0, "= 0.05"), (0.1, "= 5."), (-1.0, "= inf")])
+def test_a_torque_of_another_power_of_ten_is_noticed(factor, words):
+    """Tables of open-water tests print 10 K_Q; the efficiency shows it."""
+    ship = load_ship("kvlcc2_model")
+    card = {**ship.open_water.card, "K_Q": factor * np.asarray(ship.open_water.card["K_Q"])}
+    table = dataclasses.replace(ship.open_water, card=card)
+    found = findings_of(dataclasses.replace(ship, open_water=table))
+    lines = [
+        line for line in [*found.impossible, *found.implausible] if "largest efficiency" in line
+    ]
+    assert len(lines) == 1 and words in lines[0], lines
+    assert bool(found.impossible) == (factor < 1.0)
+
+
+def test_all_that_is_missing_of_a_section_is_one_line(tmp_path):
+    text = MODEL.read_text()
+    gone = {"hull": ("Y_v", "N_r", "m_x"), "propeller": ("w_P0", "t_P"), "engine": ("rate",)}
+    for key in sum(gone.values(), ()):
+        text = re.sub(rf"(?m)^{key} = .*$", "", text, count=1 if key != "rate" else 0)
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises(ConfigError) as error:
+        load_ship(str(path))
+    assert [line.partition("mine.toml: ")[2] for line in str(error.value).splitlines()] == [
+        "missing keys of [hull]: Y_v, N_r, m_x; hull.estimate = true fills all of them up",
+        "missing keys of [propeller]: t_P, w_P0",
+        "missing key gear.'rate'",
+        "missing key engine.'rate'",
+    ]
+    path.write_text("")
+    with pytest.raises(ConfigError) as error:
+        load_ship(str(path))
+    (line,) = str(error.value).splitlines()
+    assert "missing keys 'title', 'status'" in line and len(line) <= LONGEST
+
+
+def test_of_a_wrong_length_only_the_length_is_told(own):
+    """What is judged by it, the form too, is passed over."""
+    path = own(("L = { value = 7.0", "L = { value = 7000"))
+    with pytest.raises(ConfigError) as error:
+        load_ship(path)
+    keys = {
+        line.partition("mine.toml: ")[2].split(" = ")[0] for line in str(error.value).splitlines()
+    }
+    assert keys == {"hull.L", "full_length / hull.L", "if these numbers are meant: strict"}
 
 
 def test_a_hull_variant_is_named_with_its_file(tmp_path):

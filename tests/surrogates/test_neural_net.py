@@ -14,6 +14,7 @@ from ship_gym.surrogates.neural_net import (
     left_out,
     network_outputs,
     train_network,
+    train_networks,
 )
 from ship_gym.surrogates.samples import DATA
 
@@ -148,3 +149,20 @@ def test_bad_training_sets():
         NeuralNetwork(iterations=0).fit(X, Y[:, 0])
     with pytest.raises(RuntimeError, match="before fit"):
         NeuralNetwork().predict(X)
+
+
+def test_networks_of_several_seeds_at_once_are_those_of_each_alone():
+    """Each on outputs of its own; sums are rounded in another order."""
+    (X, Y), (X_val, Y_val) = smooth(30, 0), smooth(20, 1)
+    ours, theirs = np.stack([Y, 0.9 * Y]), np.stack([Y_val, 0.9 * Y_val])
+    both = train_networks(X, ours, X_val, theirs, (4, 9), iterations=60)
+    for k, seed in enumerate((4, 9)):
+        alone, found = (
+            train_network(X, ours[k], X_val, theirs[k], seed=seed, iterations=60),
+            both.member(k),
+        )
+        assert found.stopped_at == alone.stopped_at
+        for name in ("hidden", "output"):
+            np.testing.assert_allclose(found.weights[name], alone.weights[name], rtol=1e-9)
+        for name in ("training_loss", "validation_loss"):
+            np.testing.assert_allclose(getattr(found, name), getattr(alone, name), rtol=1e-9)

@@ -11,8 +11,8 @@ import ship_gym
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = Path(__file__).with_name("user_script.py")
-# Modules that are not clean inside. May only get smaller: put here what is left.
-NOT_YET = 199
+# Lines that mypy passes over. May only get fewer: put here what is left.
+IGNORES = 10
 
 
 def shown_to_checkers(package) -> dict[str, str]:
@@ -48,28 +48,21 @@ def test_packages_say_that_they_are_typed(package):
     assert Path(package.__file__).with_name("py.typed").exists()
 
 
-def not_yet_clean() -> list[str]:
+def test_no_module_is_left_out():
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    [found] = [
-        entry["module"]
-        for entry in settings["tool"]["mypy"]["overrides"]
-        if entry.get("ignore_errors")
+    left_out = [one for one in settings["tool"]["mypy"]["overrides"] if "ignore_errors" in one]
+    assert not left_out, "a module that is not clean inside: mend it"
+
+
+def test_few_lines_are_left_out():
+    found = [
+        f"{path.relative_to(ROOT)}:{number}"
+        for folder in ("ship_gym", "agents/ship_gym_agents")
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+        if "# type: ignore" in line
     ]
-    return found
-
-
-def test_list_of_unclean_modules_only_shrinks():
-    names = not_yet_clean()
-    assert names == sorted(set(names))
-    assert len(names) <= NOT_YET
-    assert not [name for name in names if "*" in name], "by name, so that new modules are checked"
-
-
-@pytest.mark.parametrize("name", not_yet_clean())
-def test_unclean_module_is_there(name):
-    folder = ROOT / ("agents" if name.startswith("ship_gym_agents") else ".")
-    path = folder.joinpath(*name.split("."))
-    assert path.with_suffix(".py").exists() or (path / "__init__.py").exists()
+    assert len(found) <= IGNORES, found
 
 
 def check_script(script: Path, folder: Path) -> tuple[str, int]:

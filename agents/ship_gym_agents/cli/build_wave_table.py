@@ -69,14 +69,15 @@ def command(as_json, **options) -> None:
     asked = Asked(**options)
     if asked.report is not None:
         need("matplotlib")
-        if asked.table:
-            place(None, report_page(asked.report, asked.table), "--report")
-    made = _existing(asked) if asked.table else _computed(asked)
+        if asked.table and (page := report_page(asked.report, asked.table)):
+            place(None, page, "--report")
+    made = _existing(asked, asked.table) if asked.table else _computed(asked)
     files = [] if asked.table else [made.path]
     if asked.report is not None:
         from ship_gym.plotting.waves import write_wave_report
 
         page = report_page(asked.report, made.path)
+        assert page is not None  # as one is asked for
         write_wave_report(page, made.table, made.ship, made.mesh, made.path)
         files.append(page)
     facts = {"file": str(made.path), **made.table.card, "snnm": compare_with_snnm(made.table)}
@@ -125,6 +126,7 @@ def _hull(asked: Asked, ship: Any):
 
     if asked.mesh is None:
         _check_alone(asked)
+        assert isinstance(asked.panels, int)  # else refused
         return hull_form.parametric_mesh(ship, *_drawn(asked.panels))
     where = {name: getattr(asked, name) for name in _HULL_FILE}
     where["panels"] = None if asked.panels == "own" else asked.panels
@@ -149,7 +151,7 @@ def _check_alone(asked: Asked) -> None:
         raise ConfigError(f"{option}: belongs to a hull file: name it with --mesh")
 
 
-def _existing(asked: Asked) -> Made:
+def _existing(asked: Asked, file: Path) -> Made:
     """The table of ``--from``."""
     from ship_gym.config import ConfigError
     from ship_gym.reports.wave_table import check_card
@@ -159,24 +161,22 @@ def _existing(asked: Asked) -> Made:
 
     if asked.out or asked.quick or asked.froude is not None:
         raise ConfigError("--from reads a table: --out, --quick and --froude belong to computing")
-    table = WaveTable.load(asked.table)
-    check_card(table, asked.table)
+    table = WaveTable.load(file)
+    check_card(table, file)
     if asked.ship is None and table.card["ship"] not in available_ships():
-        raise ConfigError(
-            f"{asked.table}: made for {table.card['ship']}; name its file with --ship"
-        )
+        raise ConfigError(f"{file}: made for {table.card['ship']}; name its file with --ship")
     ship = load_ship(asked.ship or table.card["ship"])
     if ship.name != table.card["ship"]:
-        raise ConfigError(f"{asked.table}: made for {table.card['ship']}, not for {ship.name}")
+        raise ConfigError(f"{file}: made for {table.card['ship']}, not for {ship.name}")
     if asked.mesh is None and not table.card["mesh"][0].startswith("parametric hull"):
-        return Made(table, ship, None, asked.table)  # from a hull file that was not named again
+        return Made(table, ship, None, file)  # from a hull file that was not named again
     mesh = _hull(asked, ship)
     if list(mesh.report) != table.card["mesh"]:
         raise ConfigError(
-            f"{asked.table}: made with another mesh: {'; '.join(table.card['mesh'])}; "
+            f"{file}: made with another mesh: {'; '.join(table.card['mesh'])}; "
             f"found {'; '.join(mesh.report)}"
         )
-    return Made(table, ship, mesh, asked.table)
+    return Made(table, ship, mesh, file)
 
 
 def _computed(asked: Asked) -> Made:
@@ -195,8 +195,8 @@ def _computed(asked: Asked) -> Made:
     grid = (database.QUICK if asked.quick else database.Grid()).up_to(fastest)
     mesh = _hull(asked, ship)
     # beside a ship file, where the ship finds it
-    own = str(asked.ship or "").endswith(".toml")
-    folder = Path(asked.ship).parent if own else Path("runs")
+    own = Path(asked.ship or "")
+    folder = own.parent if own.name.endswith(".toml") else Path("runs")
     check_replaced(asked.out, wave_table(ship.name, dataclasses.asdict(grid)), asked.force)
     out = place(asked.out, folder / f"waves_{ship.name}.npz")
     return Made(database.build(ship, mesh, out, grid, asked.jobs, progress), ship, mesh, out)

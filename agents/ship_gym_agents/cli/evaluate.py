@@ -68,7 +68,8 @@ def command(
     found = compare(rollouts, usual if usual in sailed else None)
     found["extremes"] = shown.extremes_of(rollouts, found["episodes"])
     _write(found, out)
-    wrote, data = [str(out)], {"file": str(out)}
+    wrote = [str(out)]
+    data: dict[str, Any] = {"file": str(out)}
     following = _again(named, sailed, found["extremes"]["of"], policies, task, options)
     if record is not None:
         files = shown.recorded(rollouts, found["episodes"], which or ("worst",), record)

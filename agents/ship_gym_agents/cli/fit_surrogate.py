@@ -153,10 +153,9 @@ def _chosen(asked: Asked) -> tuple[Any, Any, Any, tuple[str, str]]:
     check_known("family", asked.family, FAMILIES)
     noise = asked.noise or ("none" if own else "printed")
     options = Options(asked.family, asked.order or "second", noise, asked.seed, asked.cheap or "")
-    if own:
+    if asked.samples is not None:
         ship = load_ship(asked.ship or "kcs_model", surrogate="none")
-        held = {"delta_deg": asked.delta, "validation": asked.validation}
-        data = own_data_set(asked.samples, ship, **held)
+        data = own_data_set(asked.samples, ship, delta_deg=asked.delta, validation=asked.validation)
     else:
         data = DATA_SETS[check_known("data set", asked.data or "kcs", DATA_SETS)]
         ship = load_ship(data.ship, surrogate="none")
@@ -223,7 +222,8 @@ def _fitted(data: Any, ship: Any, options: Any, choice: tuple[str, str]) -> tupl
     from ship_gym.surrogates.rudder_angles import fit_rudder_angles, table_of_angles
     from ship_gym_agents.cli.output import progress
 
-    several, done = len(data.angles) > 1, {}
+    several = len(data.angles) > 1
+    done: dict[str, Any] = {}
     fitting, tabulating = (fit_rudder_angles, table_of_angles) if several else (fit, table_of)
     steps = {
         "fit": lambda: fitting(data, options, *choice),

@@ -81,7 +81,9 @@ def _policy(name: str) -> str:
     from ship_gym_agents.controllers import shipped_file
     from ship_gym_agents.policies.policy_file import read_card
 
-    card = read_card(shipped_file(name))
+    file = shipped_file(name)
+    assert file is not None  # as it was listed
+    card = read_card(file)
     config = card.get("config", {})
     scenario = config.get("scenario", {})
     where = f" for {scenario['ship']} in {scenario['task']}" if scenario else ""

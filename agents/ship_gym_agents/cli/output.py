@@ -8,7 +8,7 @@ import os
 import shlex
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -113,7 +113,7 @@ def need(*libraries: str) -> None:
             raise ImportError(f'{purpose} need {library}: pip install "ship-gym[{extra}]"')
 
 
-def progress(iterable: Iterable, description: str = "", total: int | None = None) -> Iterable:
+def progress(iterable: Any, description: str = "", total: int | None = None) -> Any:
     """The iterable with a tqdm bar on a terminal after 2 s, if tqdm is installed; else as it is."""
     try:
         from tqdm import tqdm

@@ -36,8 +36,8 @@ class Pick(NamedTuple):
         """Seeds to sail, from ``--seed``, ``--seeds`` and ``--of``, which exclude each other."""
         from ship_gym.evaluation.splits import evaluation_seeds
 
-        given = {"--seed": seed, "--seeds": seeds, "--of": of}
-        given = [option for option, value in given.items() if value is not None]
+        options = {"--seed": seed, "--seeds": seeds, "--of": of}
+        given = [option for option, value in options.items() if value is not None]
         if len(given) > 1:
             raise click.UsageError(f"{given[0]} and {given[1]}: give one of them")
         if not self.most:

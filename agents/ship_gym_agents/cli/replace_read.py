@@ -103,7 +103,7 @@ def _parquet_in(path: Path) -> Result:
     return history(read_meta(path))
 
 
-def _csv_in(path: Path) -> Result:
+def _csv_in(path: Path) -> Result | None:
     from ship_gym.reading import read_text
 
     head, lines = [], read_text(path).splitlines()

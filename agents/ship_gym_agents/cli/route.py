@@ -126,8 +126,8 @@ def _text(data: dict[str, Any]) -> str:
     from ship_gym.conventions import KNOT
     from ship_gym.text import table
 
-    head = ("", "way-point", "latitude", "longitude", "by", "bearing", "length", "port")
-    head += ("starboard", "speed", "radius")
+    head = [*("", "way-point", "latitude", "longitude", "by", "bearing", "length", "port")]
+    head += ["starboard", "speed", "radius"]
     units = ("", "", "deg", "deg", "", "deg", "NM", "m", "m", "kn", "m")
     rows = [units]
     for i, point in enumerate(data["waypoints"]):

@@ -130,7 +130,7 @@ def _serve(task, controller, record: Path | None, force, options) -> dict[str, A
         how["voyage"] = Voyage(waters.track, vessel.ship.hull.L)
     held = recording(CONTROLLER, vessel.seed, vessel.scenario.to_dict())
     check_replaced(record, held, force, "--record")
-    with Ports(options["listen"], options["port"], kinds, to) as ports:
+    with Ports(options["listen"], options["port"], kinds, tuple(to)) as ports:
         kept = VoyageRecord(record, vessel, waters.meta()) if record else None
         server = Server(vessel, ports, waters.chart, **how)
         _announce(ports)
@@ -187,7 +187,7 @@ def _signals(server: Any) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)}
+    before: dict[int, Any] = {k: signal.getsignal(k) for k in (signal.SIGINT, signal.SIGTERM)}
 
     def end(number: int, frame: object) -> None:
         server.stop()

@@ -84,7 +84,7 @@ class _Job(NamedTuple):
     """One controller to be tuned for one ship, and the file for its gains."""
 
     name: str
-    kind: type
+    kind: type[Any]
     ship: str
     path: Path
 
@@ -144,7 +144,7 @@ def _settings(job: _Job, task: str | None, wished: list[str], options: dict):
     return env, settings(_size(options), env["scenario"], about, chosen, **more), chosen
 
 
-def _sailed(kind: type, task: str | None, options: dict) -> tuple[dict[str, Any], str]:
+def _sailed(kind: type[Any], task: str | None, options: dict) -> tuple[dict[str, Any], str]:
     """Arguments of a rollout but the ship, and the task they are of."""
     from ship_gym_agents.cli.sailing import own_task, resolved, wanted
     from ship_gym_agents.tuning.structures import scenario_for

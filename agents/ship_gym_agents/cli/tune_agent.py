@@ -103,7 +103,7 @@ def _plan(task: str | None, options: dict[str, Any]):
     from ship_gym_agents.training.search_space import load_ranges
 
     kept = ("trials", "seeds", "episodes", "confirm", "pruner")
-    own = {key: options[key] for key in kept}
+    own: dict[str, Any] = {key: options[key] for key in kept}
     budget = default_budget(options["minutes"], options["steps"])
     names = ("algorithm", "recipe", "hyperparameters", "envs", "seed", "scenario", "ship")
     shared = {key: options[key] for key in (*names, "control", "overrides")}
@@ -111,7 +111,8 @@ def _plan(task: str | None, options: dict[str, Any]):
     given = {key: str(v) if isinstance(v, Path) else v for key, v in given.items()}
     config = run_config(**given)
     ranges = load_ranges(config.algorithm, options["ranges"], given)
-    return Plan(given, ranges, **own, **budget), score_of(config.scenario)
+    own |= budget
+    return Plan(given, ranges, **own), score_of(config.scenario)
 
 
 def _tell(trial: Any, score: Any) -> None:

@@ -112,7 +112,7 @@ def made_card(
         "infos": plan.infos,
         "reference_scores": dict(scores),
         "entries": [
-            row | {"normalised_mean": normalised(row["returns"]["mean"], scores)} for row in rows
+            {**row, "normalised_mean": normalised(row["returns"]["mean"], scores)} for row in rows
         ],
         "versions": {**made["versions"], "minari": minari_version},
         "git_commit": made["git_commit"],

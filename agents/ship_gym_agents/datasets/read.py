@@ -58,7 +58,7 @@ def read_set(path: str | os.PathLike) -> minari.MinariDataset:
     _check(read_keys(file))
     with read_as(data, "a data set of Minari"):
         dataset = minari.MinariDataset(data)
-        list(dataset.storage.get_episode_metadata(dataset.episode_indices[:1]))
+        list(dataset.storage.get_episode_metadata(dataset.episode_indices[[0, -1]]))
     return dataset
 
 
@@ -66,6 +66,9 @@ def _check(told: Keys) -> None:
     """Refuse metadata that lack what Minari needs, or name an environment that is not ours."""
     for key in ("dataset_id", "observation_space", "action_space"):
         told.text(key)
+    for word in told.items("requirements", []):
+        if not isinstance(word, str):
+            raise ConfigError(f"{told.where}: requirements has {shown(word)}: allowed are texts")
     told.known("data_format", ["hdf5"])
     told.known("minari_version", minari.supported_dataset_versions)
     for key in ("env_spec", "eval_env_spec"):
@@ -89,7 +92,8 @@ def select(
 ) -> minari.MinariDataset:
     """The episodes of one controller, with one noise, or both, as a data set on the same files."""
     wanted = {"controller": controller, "noise": noise}
-    told = list(dataset.storage.get_episode_metadata(dataset.episode_indices))
+    with read_as(dataset.storage.data_path, "a data set of Minari"):
+        told = list(dataset.storage.get_episode_metadata(dataset.episode_indices))
     mask = np.ones(len(told), dtype=bool)
     for key, value in wanted.items():
         there = dict.fromkeys(one.get(key) for one in told)

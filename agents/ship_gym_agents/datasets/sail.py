@@ -128,18 +128,21 @@ def _cut(
     lengths: np.ndarray,
     outcomes: np.ndarray,
     seen: list[np.ndarray],
-    done: list[tuple[np.ndarray, ...]],
+    done: Sequence[tuple[np.ndarray, ...]],
     kept: list[dict[str, np.ndarray]],
 ) -> list[Episode]:
     """Episodes from the histories of a batch, each to its end."""
     seen_all = np.stack(seen)
-    columns = [np.stack(column) for column in zip(*done, strict=True)]
+    actions, rewards, terminations, truncations = map(np.stack, zip(*done, strict=True))
     infos = {key: np.stack([one[key] for one in kept]) for key in (kept[0] if kept else ())}
     return [
         Episode(
             int(seed),
             seen_all[: length + 1, i].copy(),
-            *(column[:length, i].copy() for column in columns),
+            actions[:length, i].copy(),
+            rewards[:length, i].copy(),
+            terminations[:length, i].copy(),
+            truncations[:length, i].copy(),
             {key: values[: length + 1, i].copy() for key, values in infos.items()},
             int(outcome),
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -48,7 +49,7 @@ def _mean(who: Controller, seeds: list[int], ready: Prepared, progress: Progress
     return float(np.concatenate(returns).mean())
 
 
-def normalised(value: float, scores: dict[str, Any]) -> float | None:
+def normalised(value: float, scores: Mapping[str, Any]) -> float | None:
     """A return as Minari normalises it; None where the expert is no better than chance."""
     span = scores["expert"] - scores["random"]
     return (value - scores["random"]) / span if span > 0.0 else None

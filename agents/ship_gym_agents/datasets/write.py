@@ -104,7 +104,8 @@ def write_set(
 
 def _add(new: NewSet, entry: Any, ready: Prepared, progress: Progress) -> dict[str, Any]:
     """Sail the episodes of one controller with one noise into the set; the row of the card."""
-    told, steps = [], []
+    told: list[dict[str, Any]] = []
+    steps: list[int] = []
     for seeds in batches(entry.seeds, ready.scenario.steps):
         bar = lambda intervals: progress(intervals, entry.label)  # noqa: E731
         noise = (entry.noise, ready.memory)

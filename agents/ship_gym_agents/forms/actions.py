@@ -118,6 +118,7 @@ class Residual(Action):
         """See `Action.act`."""
         if decision is not None:
             self._held = decision
+        assert look.own is not None  # as it is on a base
         return _added(look.own, self._columns_of_decisions, self._held, self._scales)
 
     def restart(self, rows: np.ndarray) -> None:
@@ -136,7 +137,8 @@ class Guidance(Residual):
         """See `Action.act`."""
         if decision is not None:
             self._held = decision
-        action = look.base.steer(look.perceived, self._scales[0] * self._held[:, 0])
+        base, perceived = look.steers
+        action = base.steer(perceived, self._scales[0] * self._held[:, 0])
         return _added(action, self._columns_of_decisions[1:], self._held[:, 1:], self._scales[1:])
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,8 @@ if TYPE_CHECKING:
     from ship_gym_agents.forms.form import Form
 
 
-class Sailing(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Sailing:
     """What does not change while `count` ships of one kind sail a scenario.
 
     Attributes
@@ -65,6 +67,12 @@ class Look(NamedTuple):
     perceived: Perceived | None
     own: np.ndarray | None
     followed: tuple[np.ndarray, np.ndarray] | None
+
+    @property
+    def steers(self) -> tuple[Autopilot, Perceived]:
+        """The base and what it perceives; asked only where there is a base."""
+        assert self.base is not None and self.perceived is not None
+        return self.base, self.perceived
 
 
 def twin(thing: Any) -> Any:

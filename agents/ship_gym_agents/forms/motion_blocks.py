@@ -44,9 +44,12 @@ class Observer(Block):
 
     def values(self, look: Look) -> tuple:
         """See `Block`."""
-        psi, r, v, bias = look.perceived.motion
+        psi, r, v, bias = look.steers[1].motion
         found = 2.0 * psi, 3.0 * r, 8.0 * v, 6.0 * bias, 2.0 * look.seen.rudder
-        return (*found, 2.0 * look.own[:, 0]) if self._rudder else found
+        if not self._rudder:
+            return found
+        assert look.own is not None
+        return *found, 2.0 * look.own[:, 0]
 
 
 class Reference(Block):
@@ -57,8 +60,10 @@ class Reference(Block):
 
     def values(self, look: Look) -> tuple:
         """See `Block`."""
-        (psi, r, *_), (psi_then, r_then) = look.perceived.motion, look.followed
-        return 4.0 * wrapped(psi - psi_then), 3.0 * (r - r_then), 2.0 * look.perceived.wanted
+        assert look.followed is not None
+        perceived, (psi_then, r_then) = look.steers[1], look.followed
+        psi, r, *_ = perceived.motion
+        return 4.0 * wrapped(psi - psi_then), 3.0 * (r - r_then), 2.0 * perceived.wanted
 
 
 class Soft(Block):
@@ -69,7 +74,7 @@ class Soft(Block):
 
     def values(self, look: Look) -> tuple:
         """See `Block`."""
-        psi, r, *_ = look.perceived.motion
+        psi, r, *_ = look.steers[1].motion
         return np.tanh(psi / 0.035), np.tanh(r / 0.03)
 
 
@@ -115,7 +120,7 @@ class Sea(Block):
 
     def values(self, look: Look) -> tuple:
         """See `Block`."""
-        seen, (psi, r, v, bias) = look.seen, look.perceived.motion
+        seen, (psi, r, v, bias) = look.seen, look.steers[1].motion
         bias = np.broadcast_to(bias, psi.shape)
         wave_r, wave_v = seen.yaw_rate - r, seen.sway - v
         wave_psi = wrap_angle(np.arctan2(seen.sin_error, seen.cos_error) - psi)

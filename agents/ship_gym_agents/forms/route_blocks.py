@@ -58,7 +58,7 @@ class Route(Block):
             np.sin(turn) * np.tanh(np.clip(3.5 - to_go, -3.0, 3.0)),
             turn * near * np.clip(to_go, -1.0, 4.0),
             2.0 * np.abs(turn) * near,
-            np.sin(look.perceived.motion[0]) * near,
+            np.sin(look.steers[1].motion[0]) * near,
         )
 
 
@@ -82,7 +82,7 @@ class Turn(Block):
 
     def values(self, look: Look) -> tuple:
         """See `Block`."""
-        seen, psi = look.seen, look.perceived.motion[0]
+        seen, psi = look.seen, look.steers[1].motion[0]
         path = Path(seen, _RADIUS)
         now, ahead = path.bearings(_AHEAD[None, :]).T
         e, to_go, turn = seen.cross_track, seen.to_go, seen.next_turn * math.pi
@@ -115,6 +115,7 @@ class Drift(Block):
 
     def values(self, look: Look) -> tuple:
         """See `Block`."""
+        assert isinstance(look.base, DriftLOS)
         along, across = look.base.drift
         return 5.0 * along, 5.0 * across
 

@@ -39,7 +39,8 @@ class Watchkeeper:
         self.action = ACTIONS[form.action](sailing)
         self._blocks = [BLOCKS[name](sailing) for name in form.features if name != PRODUCTS]
         self._names_now(PRODUCTS in form.features)
-        self._lags, self._past = form.lags, None
+        self._lags = form.lags
+        self._past: np.ndarray | None = None
         self.names = list(self._now)
         self.signs = list(self._now.values())
         for lag in form.lags:
@@ -83,12 +84,14 @@ class Watchkeeper:
     def _with_past(self, features: np.ndarray) -> np.ndarray:
         """Features of now and of earlier decisions; what has no past takes the present for it."""
         rows = self._fresh_past.take()
-        if self._past is None:
-            self._past = np.repeat(features[None], max(self._lags), axis=0)
-        elif len(rows):
-            self._past = self._past.copy()
-            self._past[:, rows] = features[rows]
-        return np.concatenate([features, *(self._past[lag - 1] for lag in self._lags)], axis=1)
+        past = self._past
+        if past is None:
+            past = np.repeat(features[None], max(self._lags), axis=0)
+        elif not isinstance(rows, slice) and len(rows):
+            past = past.copy()
+            past[:, rows] = features[rows]
+        self._past = past
+        return np.concatenate([features, *(past[lag - 1] for lag in self._lags)], axis=1)
 
     def _perceive(self, observations: np.ndarray) -> Look:
         seen = self._columns.view(observations)
@@ -111,11 +114,11 @@ class Watchkeeper:
             raise ConfigError(
                 "helm: act without a look; each interval takes one look, then one act"
             )
-        if decision is not None and self._lags:
+        if decision is not None and self._past is not None:
             self._past = np.concatenate([self._features[None], self._past[:-1]])
         action = self.action.act(self._look, decision)
         if self._steers_last:
-            psi, r = self._base.followed[:2]
+            psi, r = self._look.steers[0].followed[:2]
             self._followed = np.stack(np.broadcast_arrays(psi, r, action[:, 0])[:2])
         self._look = None
         return action

@@ -8,14 +8,17 @@ A network has ``start(count)``, its state for that many episodes (None if it has
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from ship_gym.config import ConfigError, check_known, shown
 
-ACTIVATIONS = {"tanh": np.tanh, "relu": lambda x: np.maximum(x, 0.0)}
+ACTIVATIONS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "tanh": np.tanh,
+    "relu": lambda x: np.maximum(x, 0.0),
+}
 # How the last layer becomes a decision; argmax: its largest value names one of `levels`.
 OUTPUTS = ("clip", "tanh", "argmax")
 
@@ -101,13 +104,14 @@ class Mlp:
             other = self._layers(scaled * self.mirror.features)
             found = 0.5 * (found + other * self.mirror.decisions)
         if self.output == "argmax":
+            assert self.levels is not None
             return self.levels[np.argmax(found, axis=1)]
         return np.tanh(found) if self.output == "tanh" else np.clip(found, -1.0, 1.0)
 
     def start(self, count: int) -> None:
         """No memory."""
 
-    def step(self, scaled: np.ndarray, state: None) -> tuple[np.ndarray, None]:
+    def step(self, scaled: np.ndarray, state: np.ndarray | None) -> tuple[np.ndarray, None]:
         """Decisions and the state, which is none."""
         return self(scaled), None
 
@@ -222,8 +226,9 @@ class Lstm:
         """Hidden values and cells of episodes that begin, shape (2, count, n_hidden)."""
         return np.zeros((2, count, self.n_hidden))
 
-    def step(self, scaled: np.ndarray, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def step(self, scaled: np.ndarray, state: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
         """Decisions (count, n_decisions) and the next state."""
+        assert state is not None
         hidden, cell = state
         gates = _times(scaled, self.input_weight) + _times(hidden, self.hidden_weight)
         gates += self.gate_bias

@@ -56,6 +56,6 @@ def load_old(path: str | Path) -> Policy:
         check_reach(network, limit)
         card["features"] = [f"observation.{name}" for name in card.pop("observations")]
         card["decisions"] = ["rudder", "rpm"][: network.n_decisions]
-        parts = {"form": {}, "network": about, "normaliser": {"limit": limit}}
-        checked_card({**card, **parts})
+        card_now = {**card, "form": {}, "network": about, "normaliser": {"limit": limit}}
+        checked_card(card_now)
         return Policy(Form(), normaliser, network, card)

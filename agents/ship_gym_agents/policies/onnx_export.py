@@ -47,7 +47,8 @@ def onnx_model(policy: Policy) -> Any:
     """The checked ``onnx.ModelProto`` of a policy."""
     onnx = _onnx()
     graph = _Graph(onnx)
-    network, inputs, outputs = policy.network, {"features": policy.network.n_features}, {}
+    network, inputs = policy.network, {"features": policy.network.n_features}
+    outputs: dict[str, int] = {}
     scaled = _scaled(graph, policy)
     if isinstance(network, Lstm):
         inputs |= dict.fromkeys(("hidden", "cell"), network.n_hidden)
@@ -85,7 +86,9 @@ class _Graph:
     """Nodes and constants of a model while it is made; each value has a name of its own."""
 
     def __init__(self, onnx: Any):
-        self.onnx, self.nodes, self.constants = onnx, [], []
+        self.onnx = onnx
+        self.nodes: list[Any] = []
+        self.constants: list[Any] = []
 
     def node(self, kind: str, inputs: list[str], name: str = "", **attributes: Any) -> str:
         """Add an operation; the name of its result."""
@@ -161,6 +164,7 @@ def _layers(graph: _Graph, mlp: Mlp, values: str) -> str:
 def _metadata(policy: Policy) -> dict[str, str]:
     """Text that a program finds in the model: names of features and decisions, form, card."""
     card = policy.card
-    found = {name: json.dumps(card[name]) for name in ("features", "decisions") if name in card}
+    names: tuple[str, ...] = ("features", "decisions")
+    found = {name: json.dumps(card[name]) for name in names if name in card}
     found |= {"form": json.dumps(dataclasses.asdict(policy.form)), "card": json.dumps(card)}
     return {"ship_gym_policy": policy.name, **found}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -47,7 +48,8 @@ class Policy:
         self, form: Form, normaliser: Normaliser, network: Network, card: Mapping[str, Any]
     ):
         self.form, self.normaliser, self.network = form, normaliser, network
-        self.card, self.file = dict(card), None
+        self.card = dict(card)
+        self.file: Path | None = None
         self.name = str(self.card["name"])
         n_features = len(self.card.get("features", normaliser.mean))
         if not n_features == len(normaliser.mean) == network.n_features:
@@ -115,8 +117,9 @@ class Policy:
     def _check_names(self, helm: Helm, scenario: Scenario) -> None:
         """Refuse features or decisions of other names than the network was made for."""
         for what, names in (("decisions", helm.decisions), ("features", helm.names)):
-            had, names = self.card.setdefault(what, list(names)), list(names)
-            if had == names:
+            now_named = list(names)
+            had = self.card.setdefault(what, list(names))
+            if had == now_named:
                 continue
             trained = self.card.get("config", {}).get("scenario", {})
             for key, words in (("task", "trained on"), ("control", "trained for control =")):
@@ -124,11 +127,11 @@ class Policy:
                 if trained.get(key, now) != now:
                     raise ConfigError(
                         f"policy {self.name}: {words} {trained[key]!r}, not {now!r}; its {what}: "
-                        f"{_difference(had, names)}"
+                        f"{_difference(had, now_named)}"
                     )
             raise ConfigError(
                 f"policy {self.name}: made for other {what} than this version makes for control = "
-                f"{scenario.control!r}: {_difference(had, names)}"
+                f"{scenario.control!r}: {_difference(had, now_named)}"
             )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ship_gym.config import ConfigError
-from ship_gym_agents.policies.networks import Lstm, Network
+from ship_gym_agents.policies.networks import Mlp, Network
 
 _LARGEST = 1e300  # of what a layer may reach: its sums stay finite
 
@@ -19,8 +19,9 @@ def check_reach(network: Network, limit: float) -> None:
     limit : float
         Largest size of a scaled feature.
     """
-    head = network
-    if isinstance(network, Lstm):
+    if isinstance(network, Mlp):
+        head = network
+    else:
         _reach("input_weight", limit, network.input_weight, network.gate_bias)
         _reach("hidden_weight", 1.0, network.hidden_weight, network.gate_bias)
         head, limit = network.head, 1.0

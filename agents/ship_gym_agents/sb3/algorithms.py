@@ -154,9 +154,9 @@ def _network(algorithm: str, env: VecNormalize, hyper: Hyperparameters) -> dict[
     found["net_arch"] = {"pi": hidden, critic: list(hyper.network.critic or hidden)}
     first = form_env(env)
     found["n_features"] = first.n_features
-    if algorithm == "recurrent_ppo":
-        return {**found, "lstm_hidden_size": hyper.algorithm.lstm}
     given = dataclasses.asdict(hyper.algorithm)
+    if algorithm == "recurrent_ppo":
+        return {**found, "lstm_hidden_size": given["lstm"]}
     found |= {name: given[name] for name in _OF_POLICY if name in given}
     return {**found, "mirror": first.mirror}
 

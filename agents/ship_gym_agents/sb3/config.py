@@ -109,8 +109,8 @@ def run_config(
     more = (algorithm, scenario, ship, control, privileged, overrides, hyperparameters, settings)
     plan = {} if recipe is None else load_recipe(recipe)
     # With anything given beside it, what is wrong need not be of the recipe.
-    alone = recipe is not None and not any((*more, envs, seed))
-    with told_of(Path(recipe).name) if alone else contextlib.nullcontext():
+    alone = None if recipe is None or any((*more, envs, seed)) else Path(recipe).name
+    with contextlib.nullcontext() if alone is None else told_of(alone):
         own = algorithm_name(plan.get("algo", "ppo"))
         name = own if algorithm is None else algorithm_name(algorithm)
         given = {"scenario": scenario, "ship": ship, "control": control, "seed": seed}

@@ -68,7 +68,7 @@ class FormVecEnv(VecEnvWrapper):
         self.n_features = len(self.helm.names)
         width = self.n_features + len(columns) - self._n_plain
         self.choices = None
-        action_space = spaces.Box(-1.0, 1.0, (len(self.helm.decisions),), np.float32)
+        action_space: spaces.Space = spaces.Box(-1.0, 1.0, (len(self.helm.decisions),), np.float32)
         if levels:
             each = np.linspace(-1.0, 1.0, levels)
             self.choices = np.array(list(itertools.product(each, repeat=len(self.helm.decisions))))

@@ -50,6 +50,7 @@ class LearnerProcess:
         self._process.wait()
         self._pool.shutdown()
         for stream in (self._process.stdin, self._process.stdout):
+            assert stream is not None  # a pipe
             with contextlib.suppress(OSError):  # what a dead process did not read
                 stream.close()
 
@@ -81,6 +82,7 @@ class LearnerProcess:
             raise Gone from error
 
     def _read(self) -> Any:
+        assert self._process.stdout is not None
         try:
             return pickle.load(self._process.stdout)
         except (OSError, EOFError, pickle.UnpicklingError) as error:

@@ -8,6 +8,7 @@ decisions; the same in NumPy: ``ship_gym_agents.policies.networks``.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import torch
@@ -151,6 +152,8 @@ class ShipPolicy(ActorCriticPolicy):
 class ShipRecurrentPolicy(RecurrentActorCriticPolicy):
     """Actor and critic of RecurrentPPO, each with an LSTM. Parameters: see `ShipPolicy`."""
 
+    optimizer: Any
+
     def __init__(self, *args: Any, n_features: int, **kwargs: Any):
         super().__init__(
             *args,
@@ -170,6 +173,8 @@ class ShipRecurrentPolicy(RecurrentActorCriticPolicy):
 
 class _GaussianMirror:
     """What SAC's and TQC's actors of ours add to theirs."""
+
+    mu: Any  # of theirs
 
     def __init__(self, *args: Any, mirror: Mirror | None = None, **kwargs: Any):
         super().__init__(*args, **kwargs)
@@ -210,6 +215,10 @@ class _ActorOfFeatures:
     """What policies with a replay buffer have in common: the actor takes the first columns."""
 
     ACTOR: ClassVar[type]
+    observation_space: Any  # this and the next are of the policy beside it
+    device: Any
+    actor_kwargs: dict[str, Any]
+    _update_features_extractor: Callable[..., Any]
 
     def __init__(self, *args: Any, n_features: int, mirror: Mirror | None = None, **kwargs: Any):
         self.n_features, self.mirror = n_features, mirror

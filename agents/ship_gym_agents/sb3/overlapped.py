@@ -52,6 +52,9 @@ class OverlappedPPO(PPO):
         An option, a device or an action space that this class does not have.
     """
 
+    _last_obs: Any  # of stable-baselines3
+    _last_episode_starts: Any
+
     def __init__(
         self, *args: Any, overlap: bool = True, second_core: bool | None = None, **options: Any
     ):
@@ -88,14 +91,15 @@ class OverlappedPPO(PPO):
         )
         callback.on_training_start(locals(), globals())
         with _Helper(self.overlap and self.second_core) as helper:
-            last, iteration = None, 0  # the rollout from which nothing has been learned yet
+            last: Rollout | None = None  # the rollout from which nothing has been learned yet
+            iteration = 0
             while self.num_timesteps < total:
                 callback.on_rollout_start()
-                learner = self._learner() if last else None
-                started = helper.begin(learner, last) if last else None
+                before = last and self._learner()
+                started = helper.begin(before, last) if before and last else None
                 following = self.sail(callback)
-                if last:
-                    self._learn_from(last, learner, started)
+                if before and last:
+                    self._learn_from(last, before, started)
                 last = following
                 if last is None:
                     break

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from stable_baselines3.common.buffers import ReplayBuffer
@@ -86,7 +87,8 @@ def _facts(archive: zipfile.ZipFile, file: Path, buffer: ReplayBuffer) -> dict[s
 
 def _fill(archive: zipfile.ZipFile, name: str, array: np.ndarray, file: Path) -> None:
     """Read one array of an archive into `array`, piece by piece."""
-    with archive.open(f"{name}.npy") as member:
+    opened: Any = archive.open(f"{name}.npy")  # whose `readinto` typeshed does not know
+    with opened as member:
         version = np.lib.format.read_magic(member)
         read_header = {
             (1, 0): np.lib.format.read_array_header_1_0,
@@ -98,7 +100,8 @@ def _fill(archive: zipfile.ZipFile, name: str, array: np.ndarray, file: Path) ->
                 f"{file}: {name} is {dtype} of shape {shown(shape)}: the run needs "
                 f"{array.dtype} of shape {array.shape}"
             )
-        view = memoryview(array).cast("B") if array.size else memoryview(b"")
+        bare: Any = array
+        view = memoryview(bare).cast("B") if array.size else memoryview(b"")
         for start in range(0, len(view), _PIECE):
             piece = view[start : start + _PIECE]
             if member.readinto(piece) != len(piece):

@@ -92,7 +92,7 @@ def load_sb3_zip(
     return Policy(Form(), _normaliser(path, len(features)), _network(path, model), card)
 
 
-def _algorithm(path: Path) -> type:
+def _algorithm(path: Path) -> Any:
     """Which algorithm a zip is of, from the names of its settings alone."""
     try:
         with zipfile.ZipFile(path) as archive:

@@ -5,6 +5,7 @@ Without validations and the writing of files.
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import time
 from collections.abc import Callable
@@ -103,7 +104,7 @@ def throughput(
         "envs": training.envs,
         "threads": training.threads,
         "cores": cores(),
-        "epochs": options.n_epochs,
+        "epochs": dataclasses.asdict(options)["n_epochs"],
         **ours,
         "plain": plain,
         "load": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,

@@ -110,6 +110,7 @@ def relative(now: Seen, moving: bool) -> tuple[float, float]:
     moving : bool
         As it is felt on the moving ship; else as if she lay still over the ground.
     """
+    assert now.wind is not None
     north, east = now.wind
     cos, sin = math.cos(now.heading), math.sin(now.heading)
     ahead, aside = north * cos + east * sin, east * cos - north * sin

@@ -188,7 +188,8 @@ class Server:
 
     def _fix(self, now: Seen, due: list[str]) -> Fix:
         """What is said of an instant; geodesy only where a sentence needs it."""
-        place, leg = (0.0, 0.0), None
+        place: Any = (0.0, 0.0)
+        leg = None
         if not _PLACED.isdisjoint(due):
             on = None if self._voyage is None else self._voyage.leg
             place = self._chart.place(now.north, now.east, on)

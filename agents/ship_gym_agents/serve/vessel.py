@@ -144,7 +144,7 @@ def _scenario(
     duration: float | None,
 ) -> tuple[Scenario, Ship]:
     """The scenario with the times of the ship herself, which are full-scale in it, and the ship."""
-    names = {"surrogate": None, "privileged": None}
+    names: dict[str, Any] = {"surrogate": None, "privileged": None}
     scenario, ship = resolved_scenario(**given, **names, overrides=overrides)
     if scenario.task != TASK:
         raise ConfigError(f"scenario {given['scenario']}: is of task {scenario.task}, not {TASK}")

@@ -60,6 +60,7 @@ class Voyage:
     """
 
     def __init__(self, track: Track, length: float):
+        assert track.chart is not None
         self._points, self._chart, self._length = track.points.tolist(), track.chart, length
         self._ends = ends_of(track)
         self.leg = 0  # of the plane
@@ -74,8 +75,8 @@ class Voyage:
         (x_a, y_a), (x_b, y_b) = self._points[self.leg : self.leg + 2]
         bearing, cross = math.atan2(y_b - y_a, x_b - x_a), self._axes(now, self.leg)[1]
         name, latitude, longitude = self._ends[self.leg]
-        here = self._chart.place(now.north, now.east, self.leg)
-        there = rhumb(*here, latitude, longitude)
+        lat, lon = self._chart.place(now.north, now.east, self.leg)
+        there = rhumb(lat, lon, latitude, longitude)
         return OnLeg(
             cross=cross,
             bearing=bearing % _TURN,
@@ -100,6 +101,7 @@ def ends_of(track: Track) -> list[tuple[str, float, float]]:
     Of a route those are its own; an arc or a piece of a great circle leads to the next of them.
     """
     if track.route is None:
+        assert track.chart is not None
         places = np.transpose(track.chart.place(*track.points.T)).tolist()
         return [(_named("", k), *places[k]) for k in range(1, len(places))]
     points = track.route.waypoints

@@ -18,6 +18,7 @@ from ship_gym_agents.forms.helm import Helm
 from ship_gym_agents.policies.networks import Mirror, Mlp
 from ship_gym_agents.policies.normaliser import Normaliser
 from ship_gym_agents.sb3.config import RunConfig
+from ship_gym_agents.sb3.options import GaussNewtonOptions
 from ship_gym_agents.training.residuals import residuals_of
 
 MOST_WEIGHTS = 200  # each takes a voyage of all episodes in every iteration
@@ -123,6 +124,7 @@ class Voyages:
 
     def __init__(self, config: RunConfig):
         hyper = config.hyperparameters
+        assert isinstance(hyper.algorithm, GaussNewtonOptions)
         self._options, self.form = hyper.algorithm, hyper.form
         duration = self._options.horizon or hyper.training.episode or config.scenario.duration
         overrides = {"duration": duration, **hyper.training.overrides}

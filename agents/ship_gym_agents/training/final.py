@@ -111,8 +111,10 @@ def compared(own: Validation, other: Validation, score: Score) -> dict[str, Any]
 
 def difference(own: Sequence[float | None], other: Sequence[float | None]) -> dict[str, float]:
     """Mean of paired differences, own less other, with its interval; empty with fewer than two."""
-    pairs = [pair for pair in zip(own, other, strict=True) if None not in pair]
-    return dataclasses.asdict(paired(*zip(*pairs, strict=True))) if len(pairs) > 1 else {}
+    pairs = [(a, b) for a, b in zip(own, other, strict=True) if a is not None and b is not None]
+    if len(pairs) < 2:
+        return {}
+    return dataclasses.asdict(paired([a for a, _ in pairs], [b for _, b in pairs]))
 
 
 def final_text(found: Mapping[str, Any], score: Score) -> str:
@@ -124,7 +126,9 @@ def final_text(found: Mapping[str, Any], score: Score) -> str:
         f"with 95 % intervals: {score.name} {_shown(own[score.name])}{unit}, success "
         f"{own['success']:.0%}, rudder travel {own['rudder_travel']:.4g} deg/h"
     )
-    return "; ".join([line, *(_against(*each, score) for each in found["references"].items())])
+    return "; ".join(
+        [line, *(_against(name, other, score) for name, other in found["references"].items())]
+    )
 
 
 def _against(name: str, other: Mapping[str, Any], score: Score) -> str:

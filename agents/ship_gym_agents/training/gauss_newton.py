@@ -22,6 +22,7 @@ from ship_gym_agents.policies.networks import Mlp
 from ship_gym_agents.policies.normaliser import Normaliser
 from ship_gym_agents.policies.policy import Policy
 from ship_gym_agents.policies.policy_file import load_policy
+from ship_gym_agents.sb3.options import GaussNewtonOptions
 from ship_gym_agents.training.candidates import Layout, Voyages
 from ship_gym_agents.training.least_squares import SHARES, next_damping, steps
 from ship_gym_agents.training.progress import Progress
@@ -69,19 +70,22 @@ class _Search:
     def __init__(self, run: Run, init: str | Path | None):
         config = run.config
         network = config.hyperparameters.network
+        assert isinstance(config.hyperparameters.algorithm, GaussNewtonOptions)
         self._run, self._options = run, config.hyperparameters.algorithm
         self._voyages = Voyages(config)
         self._layout = Layout(self._voyages.helm, network.hidden, network.activation)
         # the base is the first policy that is judged: less travel at the same score is a gain
         run.score = run.score._replace(wear=run.score.wear or self._voyages.price_of_travel)
         self._sailed_before = 0
+        self._normaliser: Normaliser | None = None
+        self._weights: np.ndarray | None = None
+        self._base: np.ndarray | None = None  # residuals of the present weights, and their cost
+        self._cost: float | None = None
         if run.checkpoint is not None:
             self._load(run.checkpoint / _STATE)
             return
         self._vector = self._layout.first(config.seed)
         self._damping, self._iterations, self._idle = _FIRST_DAMPING, 0, 0
-        self._normaliser, self._weights = None, None
-        self._base = self._cost = None
         if init is not None:
             self._take(load_policy(init))
 
@@ -91,7 +95,8 @@ class _Search:
             raise ConfigError(
                 f"init: a policy that {policy.form_in_words}; this run has another form"
             )
-        self._vector = self._layout.vector(policy.network)
+        network: Any = policy.network  # `vector` refuses other layers
+        self._vector = self._layout.vector(network)
         self._normaliser = policy.normaliser
 
     @property
@@ -117,9 +122,9 @@ class _Search:
         tick : callable
             Called after each batch of candidates.
         """
-        if self._base is None:
-            self._begin()
-        jacobian = self._slopes(tick)
+        if self._base is None or self._cost is None:
+            self._base, self._cost = self._begin()
+        jacobian = self._slopes(self._base, tick)
         if jacobian is None:
             return
         dampings = [self._damping * share for share in SHARES]
@@ -140,22 +145,21 @@ class _Search:
 
     def policy(self) -> Policy:
         """The present policy."""
-        self._need_normaliser()
-        helm = self._voyages.helm
-        card = {"name": self._run.name}
+        normaliser, helm = self._scales(), self._voyages.helm
+        card: dict[str, Any] = {"name": self._run.name}
         card |= {"features": list(helm.names), "decisions": list(helm.decisions)}
-        return Policy(self._voyages.form, self._normaliser, self._network(self._vector), card)
+        return Policy(self._voyages.form, normaliser, self._network(self._vector), card)
 
     def save(self, folder: Path) -> None:
         """Write the state."""
-        self._need_normaliser()
+        normaliser = self._scales()
         weights = np.zeros(0) if self._weights is None else self._weights
         np.savez(
             folder / _STATE,
             vector=self._vector,
-            mean=self._normaliser.mean,
-            scale=self._normaliser.scale,
-            limit=np.array(self._normaliser.limit),
+            mean=normaliser.mean,
+            scale=normaliser.scale,
+            limit=np.array(normaliser.limit),
             weights=weights,
             counts=np.array([self._iterations, self._idle, self.samples]),
             damping=np.array(self._damping),
@@ -165,7 +169,8 @@ class _Search:
     def _load(self, file: Path) -> None:
         state = read_npz(file, *_SAVED, what="a state of Gauss-Newton")
         seen = (len(self._voyages.helm.names),)
-        shapes = {"vector": (self._layout.size,), "mean": seen, "scale": seen, "counts": (3,)}
+        shapes: dict[str, tuple[int, ...]] = {"vector": (self._layout.size,), "mean": seen}
+        shapes |= {"scale": seen, "counts": (3,)}
         shapes |= {"limit": (), "damping": (), "weights": (len(self._voyages.seeds),)}
         if state["weights"].shape == (0,):  # the episodes were not weighed yet
             shapes["weights"] = (0,)
@@ -181,24 +186,26 @@ class _Search:
         self._weights = weights if len(weights) else None
         self._base, self._cost = None, None if np.isnan(cost) else cost
 
-    def _need_normaliser(self) -> None:
+    def _scales(self) -> Normaliser:
+        """The normaliser, made at the first need."""
         if self._normaliser is None:
             self._normaliser = self._voyages.scales(self._network(self._vector))
+        return self._normaliser
 
-    def _begin(self) -> None:
-        """Sail the present weights; the first time, weigh the episodes.
+    def _begin(self) -> tuple[np.ndarray, float]:
+        """Residuals of the present weights, sailed, and cost; the first time, weigh the episodes.
 
         What an earlier part of the run has sailed already is not counted again.
         """
-        self._need_normaliser()
+        normaliser = self._scales()
         before = self._voyages.samples
-        sailed = self._voyages.sail([self._network(self._vector)], self._normaliser)
+        sailed = self._voyages.sail([self._network(self._vector)], normaliser)
         if self._cost is not None:
             self._sailed_before -= self._voyages.samples - before
         if self._weights is None:
             self._weights = self._weighed(np.square(sailed[0], dtype=np.float64).sum(axis=1))
-        self._base = self._flat(sailed)[0]
-        self._cost = float(self._costs(self._base[None], self._vector[None])[0])
+        base = self._flat(sailed)[0]
+        return base, float(self._costs(base[None], self._vector[None])[0])
 
     def _weighed(self, costs: np.ndarray) -> np.ndarray:
         """Weights of the episodes; their weighed mean cost is the plain one."""
@@ -212,25 +219,26 @@ class _Search:
 
     def _flat(self, sailed: np.ndarray) -> np.ndarray:
         """Weighed residuals of all episodes, shape (candidates, R)."""
+        assert self._weights is not None
         share = np.sqrt(self._weights / sailed.shape[1]).astype(np.float32)
         return (sailed * share[:, None]).reshape(len(sailed), -1)
 
     def _sail(self, vectors: np.ndarray) -> np.ndarray:
         networks = [self._network(vector) for vector in vectors]
-        return self._flat(self._voyages.sail(networks, self._normaliser))
+        return self._flat(self._voyages.sail(networks, self._scales()))
 
     def _costs(self, residuals: np.ndarray, vectors: np.ndarray) -> np.ndarray:
         squares = np.array([np.square(row, dtype=np.float64).sum() for row in residuals])
         return squares + self._options.ridge * (vectors * vectors).sum(axis=1)
 
-    def _slopes(self, tick: Callable[[], None]) -> np.ndarray | None:
+    def _slopes(self, base: np.ndarray, tick: Callable[[], None]) -> np.ndarray | None:
         """Slopes of the residuals, shape (P, R); None where the budget has ended."""
         size, nudge = self._layout.size, self._options.step
-        found = np.empty((size, len(self._base)), dtype=np.float32)
+        found = np.empty((size, len(base)), dtype=np.float32)
         for first in range(0, size, self._options.candidates):
             own = slice(first, first + self._options.candidates)
             moved = self._vector + nudge * np.eye(size)[own]
-            found[own] = (self._sail(moved) - self._base) / nudge
+            found[own] = (self._sail(moved) - base) / nudge
             tick()
             if self._run.budget.used(self.samples) >= 1.0:
                 return None

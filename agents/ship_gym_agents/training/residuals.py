@@ -203,7 +203,7 @@ class Economy(Residuals):
     def _late(self) -> np.ndarray:
         """Share by which an episode that ends in this interval is late; 0 of the others."""
         batch, late = self._batch, np.zeros(self._batch.n)
-        for i in np.flatnonzero(self.sailing & (batch.terminated | batch.truncated)):
+        for i in np.flatnonzero(self.sailing & (batch.terminated | batch.truncated)).tolist():
             time = batch.elapsed[i] / self._steps
             leg, at = int(batch.tasks["active"][i]), batch.sim.state[i, [X, Y]]
             left = 0.0 if batch.terminated[i] else share_left(self._route(i), leg, *at)

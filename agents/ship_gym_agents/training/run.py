@@ -110,7 +110,8 @@ class Run:
             )
         self._before = card
         self._ended = card is not None and card["status"] == "complete"
-        self._of_before = {key: card[key] for key in ("command", "init") if key in (card or {})}
+        told = card or {}
+        self._of_before = {key: told[key] for key in ("command", "init") if key in told}
         state = self.folder.state()
         if state is None:
             self.folder.clear()
@@ -153,7 +154,7 @@ class Run:
 
     def _set_limit(self) -> None:
         """The rudder travel that the price holds, on the validation seas if it is the base's."""
-        limit = self.config.hyperparameters.price.limit
+        limit: Any = self.config.hyperparameters.price.limit
         if limit == "base":
             base = make_controller(self.config.hyperparameters.form.base)
             limit = self._sail(base, self.seeds).means["rudder_travel"]
@@ -277,7 +278,9 @@ class Run:
             self._keep(save, "complete")
         if self._report:
             self._report(1.0, found[self.score.name])
-        return self.folder.card()
+        card = self.folder.card()
+        assert card is not None  # as it was written now
+        return card
 
     @contextlib.contextmanager
     def broken_off(
@@ -302,6 +305,7 @@ class Run:
 
     def _describe_best(self, status: str) -> None:
         """Let the best policy tell of the run as it is now."""
+        assert self.best is not None
         self.best.card = {**self.best.card, **self._card(status)}
 
     def refuse(self) -> None:

@@ -124,7 +124,7 @@ class TrainingFolder:
         """
         last = self.checkpoint()
         card = None if last is None else self._read(last / CARD_FILE)
-        if card is None:  # none yet, or of a version that had none in it
+        if last is None or card is None:  # none yet, or of a version that had none in it
             return
         policy = last / POLICY_FILE
         copied = (self.card() or {}).get(_NUMBER) == self._number
@@ -143,7 +143,8 @@ class TrainingFolder:
 
     def checkpoint(self) -> Path | None:
         """Folder of the last complete generation; None if there is none."""
-        return (self._complete() or [None])[-1]
+        complete = self._complete()
+        return complete[-1] if complete else None
 
     def state(self) -> dict[str, Any] | None:
         """What the last complete generation says of the run; None if there is none."""
@@ -169,8 +170,8 @@ class TrainingFolder:
         """Remove what a run left that was killed before its first generation."""
         for file in self.path.glob("policy.*"):
             file.unlink()
-        for file in (CURVE_FILE, CURVE_PICTURE):
-            (self.path / file).unlink(missing_ok=True)
+        for name in (CURVE_FILE, CURVE_PICTURE):
+            (self.path / name).unlink(missing_ok=True)
         for folder in (_CHECKPOINTS, "tensorboard"):
             shutil.rmtree(self.path / folder, ignore_errors=True)
 

@@ -128,7 +128,7 @@ def trained(
     """
     config = run_config(**given)
     shutil.rmtree(folder, ignore_errors=True)  # of a search that was killed
-    budget = {"minutes": plan.minutes, "steps": plan.steps}
+    budget: dict[str, Any] = {"minutes": plan.minutes, "steps": plan.steps}
     try:
         with warnings.catch_warnings():
             # n_steps and batch_size are drawn each by itself; a last short batch is no harm

@@ -89,13 +89,15 @@ def ranked(trials: Sequence[Trial], score: Score) -> list[Trial]:
     if not complete:
         why = [trial.note for trial in trials if trial.note][-1:]
         raise ConfigError(f"no trial is complete{': ' if why else ''}{' '.join(why)}")
-    return sorted(complete, key=lambda trial: sign * trial.score)
+    scores: list[Any] = [trial.score for trial in complete]
+    order = sorted(range(len(complete)), key=lambda k: sign * scores[k])
+    return [complete[k] for k in order]
 
 
 def difference(each: Sequence[float | None], other: Sequence[float | None]):
     """Mean of each - other over the episodes that both have, with its 95 % interval; or None."""
-    pairs = [pair for pair in zip(each, other, strict=False) if None not in pair]
-    return paired(*zip(*pairs, strict=True)) if len(pairs) > 1 else None
+    pairs = [(a, b) for a, b in zip(each, other, strict=False) if a is not None and b is not None]
+    return paired([a for a, _ in pairs], [b for _, b in pairs]) if len(pairs) > 1 else None
 
 
 def write_best(plan: Plan, trial: Trial, trials: int, path: Path) -> None:

@@ -78,8 +78,9 @@ class Range:
         if self.choices:
             found = _plain(value) in [*map(_plain, self.choices)]
             return json.dumps(_plain(value)) if found else None
-        inside = isinstance(value, int | float) and self.low <= value <= self.high
-        return value if inside else None
+        if not isinstance(value, int | float) or self.low is None or self.high is None:
+            return None
+        return value if self.low <= value <= self.high else None
 
 
 def load_ranges(algorithm: str, source: str | Path | None, given: Mapping[str, Any]):

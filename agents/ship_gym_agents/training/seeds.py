@@ -152,7 +152,9 @@ def _side_by_side(
     No more are handed out than are trained: what a pool has been given it does to the end.
     """
     spawn, before = multiprocessing.get_context("spawn"), set(multiprocessing.active_children())
-    todo, under_way, made = iter(enumerate(parts)), {}, {}  # a forked torch may hang: spawn
+    todo = iter(enumerate(parts))
+    under_way: dict[concurrent.futures.Future, int] = {}  # a forked torch may hang: spawn
+    made: dict[int, dict[str, Any]] = {}
     pool = concurrent.futures.ProcessPoolExecutor(jobs, spawn, begin_worker)
     try:
         while len(made) < len(parts):

@@ -91,7 +91,7 @@ def train(
                 draw_curves(folder.path)
             raise
         try:
-            learn, own = _learner(config.algorithm), _file(init)
+            learn, own = _learner(config.algorithm), None if init is None else _file(init)
             return learn(run, own, bar, _judge(run) if final else None)
         except ConfigError:
             run.refuse()
@@ -135,9 +135,9 @@ def beginning(folder: TrainingFolder, init: str | Path | None, resume: bool) -> 
     return given
 
 
-def _file(init: str | None) -> str | Path | None:
+def _file(init: str) -> str | Path:
     """Where the policy of a name or path lies."""
-    return None if init is None else shipped_file(init) or init
+    return shipped_file(init) or init
 
 
 def _learner(algorithm: str) -> Callable[..., dict[str, Any]]:

@@ -36,7 +36,7 @@ class Objective(NamedTuple):
     beside: tuple[str, ...] = ()  # metrics that are told beside it
     failed: float | None = None  # what an episode that failed counts; None: its metric
 
-    def of(self, measures: Mapping[str, Sequence[float]]) -> np.ndarray:
+    def of(self, measures: Mapping[str, Sequence[Any]]) -> np.ndarray:
         """The objective of every episode from its metrics, shape (n,)."""
         found = np.asarray(measures[self.name])
         if self.failed is not None:
@@ -103,7 +103,7 @@ def episode_costs(controller: Controller, seeds: Sequence[int], **env: Any) -> n
     # One thread: threads that wait for each other on a shared machine are slower than none.
     batch = begin(seeds, parallel=False, **env)
     name = objective_of(batch.scenario.task).name
-    meter = _METERS[name](batch)
+    meter: Any = _METERS[name](batch)
     controller.reset(batch.n, batch.ship, batch.scenario)
     failing = np.array([outcome.failed for outcome in batch.task.all_outcomes])
     total, sailed, lost = np.zeros(batch.n), np.zeros(batch.n), np.zeros(batch.n)
@@ -177,7 +177,9 @@ class _Course:
     def __init__(self, batch: EpisodeBatch):
         self._batch = batch
         self._delta = [batch.sim.state[:, DELTA].copy()]
-        self._psi, self._ordered, self._failed = [], [], np.zeros(batch.n, dtype=np.bool_)
+        self._psi: list[np.ndarray] = []
+        self._ordered: list[np.ndarray] = []
+        self._failed = np.zeros(batch.n, dtype=np.bool_)
         self._failing = np.array([outcome.failed for outcome in batch.task.all_outcomes])
         self._see()
 

@@ -22,7 +22,7 @@ class Range(NamedTuple):
     start: float
 
 
-def ranges_of(controller: type, gains: Any, free: Sequence[str]) -> dict[str, Range]:
+def ranges_of(controller: type[Any], gains: Any, free: Sequence[str]) -> dict[str, Range]:
     """Ranges of the free gains of a controller.
 
     Parameters

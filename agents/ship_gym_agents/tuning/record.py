@@ -39,7 +39,9 @@ def settings(
     }
 
 
-def is_tuned(controller: type, ship: str, how: Mapping[str, Any], path: Path | None = None) -> bool:
+def is_tuned(
+    controller: type[Any], ship: str, how: Mapping[str, Any], path: Path | None = None
+) -> bool:
     """Whether a file of gains of this ship by these `settings` and these versions is there."""
     name = load_ship(ship).name
     path = place_for_gains(name, controller.KIND) if path is None else Path(path)
@@ -80,12 +82,12 @@ def gains_file(found: Tuning, how: Mapping[str, Any]) -> GainsFile:
     return GainsFile(found.ship, best.gains, tuning, _versions(), found.controller, found.task)
 
 
-def _interval(found: Estimate) -> list[float]:
+def _interval(found: Estimate) -> list[float | None]:
     return [_short(x) for x in (found.value, found.low, found.high)]
 
 
-def _short(value: float) -> float:
-    return round(value, 4)
+def _short(value: float | None) -> float | None:
+    return None if value is None else round(value, 4)
 
 
 def _versions() -> dict[str, str]:

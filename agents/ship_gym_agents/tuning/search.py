@@ -136,7 +136,7 @@ def _polish(costs, ranges, best, evaluations) -> tuple[dict[str, float], float]:
 
     options = {"initial_simplex": corners, "maxfev": evaluations + len(corners)}
     minimize(cost, centre, method="Nelder-Mead", bounds=[(0.0, 1.0)] * len(centre), options=options)
-    found = min(known, key=known.get)
+    found = min(known, key=lambda key: known[key])
     return (dict(found), known[found]) if known[found] < best[1] else best
 
 

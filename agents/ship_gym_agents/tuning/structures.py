@@ -10,7 +10,7 @@ from ship_gym_agents.tuning.objective import objective_of
 
 
 def structures_of(
-    controller: type, ship: Ship, task: str | None = None
+    controller: type[Any], ship: Ship, task: str | None = None
 ) -> dict[str, tuple[Any, tuple[str, ...]]]:
     """Structure -> gains to begin at and names of those that are free; of a task or in general.
 
@@ -32,13 +32,13 @@ def structures_of(
     return {"": (controller.first_gains(ship), tuple(controller.TUNED))}
 
 
-def scenario_for(controller: type) -> str:
+def scenario_for(controller: type[Any]) -> str:
     """The scenario that a controller is tuned in if none is named."""
     on_track = "cross_track" in getattr(controller, "needs", ())
     return "track_following" if on_track else "heading_keeping"
 
 
-def own_task_of(controller: type, task: str) -> str | None:
+def own_task_of(controller: type[Any], task: str) -> str | None:
     """The task that tuned gains are for and no other; None: they are the ship's in general.
 
     General are those of the task of `scenario_for`, or of the tasks that a controller names by a

@@ -34,8 +34,8 @@ from ship_gym_agents.tuning.search import Size, need_optuna, search
 from ship_gym_agents.tuning.structures import own_task_of, scenario_for, structures_of
 
 VALIDATION = 3  # times as many episodes to choose the structure as to tune its gains
-_REPORTED = ("J_0.1", "J_1", "J_steady", "rms_error", "rms_route", "rms_cross_track", "corridor")
-_REPORTED += (
+_REPORTED = (
+    *("J_0.1", "J_1", "J_steady", "rms_error", "rms_route", "rms_cross_track", "corridor"),
     "settling_time",
     "overshoot",
     "voyage_time",
@@ -69,7 +69,7 @@ class Tuned:
     gains: Any
     cost_tuning: float
     cost: float
-    episodes: dict[str, list[float]]
+    episodes: dict[str, list[Any]]
     at_bounds: dict[str, float] = dataclasses.field(default_factory=dict)
 
     @property
@@ -125,7 +125,7 @@ class Tuning:
 
 
 def mean_costs(
-    controller: type,
+    controller: type[Any],
     gains: Any,
     candidates: Sequence[Mapping[str, float]],
     seeds: Sequence[int],
@@ -154,7 +154,7 @@ def mean_costs(
 
 
 def tune(
-    controller: type,
+    controller: type[Any],
     ship: str,
     size: Size | None = None,
     *,
@@ -202,7 +202,8 @@ def tune(
     of_task = own_task_of(controller, task)
     before, what = _read(find_gains(load_ship(ship).name, controller.KIND, of_task), controller)
     begun, where = _read(begin_at, controller) if begin_at else (before, what)
-    ranking, found = [], {}
+    ranking = []
+    found: dict[str, Any] = {}
     for structure in names:
         gains, free = known[structure]
         ranges = _begun_at(ranges_of(controller, gains, free), begun, found)
@@ -230,20 +231,20 @@ def tune(
     )
 
 
-def _read(path: str | Path | None, controller: type) -> tuple[Any, str]:
+def _read(path: str | Path | None, controller: type[Any]) -> tuple[Any, str]:
     """Gains of a file and what to call them; None without a file."""
     if path is None:
         return None, "the gains that tuning begins at"
     return load_gains(path, controller).gains, f"{Path(path).name}, sha256 {sha256(path)[:12]}"
 
 
-def _sail(controller: Any, seeds: list[int], env: dict) -> dict[str, list[float]]:
-    """Metrics of every episode."""
+def _sail(controller: Any, seeds: list[int], env: dict) -> dict[str, list[Any]]:
+    """Metrics of every episode; those of a task's objective are numbers."""
     rows = per_episode(rollout(controller, seeds=seeds, parallel=False, **env))
     return {key: rows[key] for key in _REPORTED if key in rows}
 
 
-def _starts(controller: type, ship: Ship) -> Any:
+def _starts(controller: type[Any], ship: Ship) -> Any:
     """Gains that tuning begins at where there are none."""
     gains = controller.first_gains(ship)
     starts = {name: start for name, (_, _, start) in controller.TUNED.items()}
@@ -267,7 +268,7 @@ def _begun_at(
 class _Job(NamedTuple):
     """One structure to be tuned."""
 
-    controller: type
+    controller: type[Any]
     objective: Objective
     structure: str
     gains: Any

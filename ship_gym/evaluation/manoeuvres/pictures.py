@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from ship_gym.plotting.figure import for_page
 from ship_gym.plotting.handling import plot_handling
 from ship_gym.plotting.histories import Curve, plot_turns, plot_zigzags
 from ship_gym.reports.case import Case
+from ship_gym.reports.handling import Handling
 from ship_gym.reports.histories import SOURCE, computed_history, measured_history
 from ship_gym.reports.page import Picture
 
@@ -50,17 +52,17 @@ def pictures(cases: Sequence[Sailed], trials: Path | None) -> Iterator[Picture]:
             f"{name}_zigzag",
         )
     for each in cases:
-        if each.manoeuvre.kind == "spiral" and each.case is not None:
-            case = each.case
+        if each.manoeuvre.kind == "spiral" and isinstance(each.case, Handling):
             yield for_page(
                 f"{name}: steady yaw rate over the rudder angle, direct spiral.",
-                lambda path, case=case: plot_handling(case, path),
+                functools.partial(plot_handling, each.case),
                 f"{name}_spiral",
             )
 
 
 def _curves(each: Sailed, trials: Path | None) -> list[Curve]:
     """The computed history, and in calm water what was measured."""
+    assert isinstance(each.case, Case)
     kind = histories.CALM if each.sea == CALM else histories.WAVES
     found = [Curve("calm" if each.sea == CALM else each.sea, kind, computed_history(each.case))]
     measured = measured_history(each.case, trials)

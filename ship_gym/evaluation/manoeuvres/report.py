@@ -15,7 +15,7 @@ from ship_gym.reports.case import Case
 from ship_gym.reports.histories import SOURCE, computed_history, difference, measured_history
 from ship_gym.reports.measures import Row as Shown
 from ship_gym.reports.measures import difference_text
-from ship_gym.reports.page import Cell, Folded, Grid, Section, Text, write_page
+from ship_gym.reports.page import Block, Cell, Folded, Grid, Section, Text, write_page
 
 Row = Mapping[str, Any]
 _INTRODUCTION = (
@@ -103,7 +103,8 @@ def _scatter(rows: Sequence[Row]) -> Section:
         ])  # fmt: skip
     header = ["ship", "manoeuvre", "measure", "unit", "measured", "computed", "off", "in SD"]
     sources = dict.fromkeys(f"{row['ship']}, {row['source']}" for row in found)
-    blocks = [Grid("Trials of the ship files", header, cells, 4)] if cells else []
+    table = Grid("Trials of the ship files", header, cells, 4)
+    blocks: list[Block] = [table] if cells else []
     blocks += [Folded("Sources", [Text(source) for source in sources])] if sources else []
     return Section("Trials", blocks, "trials")
 

@@ -141,5 +141,5 @@ def _case(order: Sailed) -> Case | Handling:
         return sail(order.ship, "turning", delta_deg=sign * rudder, **where)
     heading = manoeuvre.heading_deg or rudder or 10.0
     rudder = rudder or heading
-    angles = {"delta_deg": sign * rudder, "psi_deg": sign * heading}
-    return sail(order.ship, "zigzag", **angles, **where)
+    where |= {"delta_deg": sign * rudder, "psi_deg": sign * heading}
+    return sail(order.ship, "zigzag", **where)

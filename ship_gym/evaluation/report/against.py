@@ -14,7 +14,7 @@ from ship_gym.evaluation.report.judgements import SIGNIFICANT, Difference
 from ship_gym.evaluation.statistics import ratios_to_best
 from ship_gym.plotting.benchmark import plot_polar, plot_profiles
 from ship_gym.plotting.figure import for_page
-from ship_gym.reports.page import Cell, Grid, Picture, Row, Section, Text
+from ship_gym.reports.page import Block, Cell, Grid, Picture, Row, Section, Text
 
 _WIDTH = 45.0  # of a sector [deg], the first is ahead
 _FEWEST = 3  # episodes of a sector that is drawn
@@ -84,7 +84,7 @@ def differences(found: Benchmark) -> Section:
     """How often each classical controller is worse than the best one."""
     names = [n for n, kind in found.controllers.items() if kind == "classical" and n != NOTHING]
     text = "The same for the classical controllers; each cell's own table has the differences."
-    blocks = [Text(text), _counts(found, names)] if len(names) > 1 else []
+    blocks: list[Block] = [Text(text), _counts(found, names)] if len(names) > 1 else []
     return Section("Classical controllers against the best of them", blocks, "differences")
 
 
@@ -111,8 +111,8 @@ def _profile(found: Benchmark, suite: str, ship: str) -> Picture | None:
     among = [e for e in among if e.metric.better == "lower"]
     names = [n for n in found.controllers if among and all(n in e.runs for e in among)]
     names = [name for name in names if name != NOTHING]
-    ratios = [_ratios(event, names) for event in among] if len(names) > 1 else []
-    ratios = [each for each in ratios if each is not None]
+    each = (_ratios(event, names) for event in (among if len(names) > 1 else ()))
+    ratios = [one for one in each if one is not None]
     if not ratios:
         return None
     joined = dict(zip(names, np.concatenate(ratios, axis=1), strict=True))
@@ -179,7 +179,8 @@ def by_sector(from_deg: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.
 
 def _polar(found: Benchmark, suite: str, ship: str) -> Picture | None:
     among = [e for e in found.events if (e.suite, e.ship) == (suite, ship) and e.best_classical]
-    angles, logs = {}, {}
+    angles: dict[str, list] = {}
+    logs: dict[str, list] = {}
     for event in among:
         for name in event.runs:
             where, ratio = _against_best(event, name)
@@ -204,6 +205,7 @@ def _polar(found: Benchmark, suite: str, ship: str) -> Picture | None:
 
 def _against_best(event: Event, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Wave headings [deg] and logarithms of the ratio to the best classical controller."""
+    assert event.best_classical is not None
     seeds = event.finished([name, event.best_classical])
     run = event.runs[event.best_classical]
     own, best = event.runs[name].at(seeds), run.at(seeds)

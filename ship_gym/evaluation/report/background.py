@@ -10,7 +10,7 @@ import numpy as np
 
 from ship_gym.evaluation.report import words
 from ship_gym.evaluation.report.benchmark import Benchmark
-from ship_gym.reports.page import Cell, Command, Folded, Grid, Section, Text
+from ship_gym.reports.page import Block, Cell, Command, Folded, Grid, Section, Text
 
 _ERRORS = 20  # rows of one controller that are shown
 _LONG = 300  # letters of a text in a table
@@ -24,7 +24,8 @@ def controllers(found: Benchmark) -> Section:
         said = about.get(name, {})
         rest = {key: value for key, value in said.items() if key != "kind" and value != name}
         rows.append([name, kind, _in_words(rest) or "nothing is said about it"])
-    blocks = [Grid("what was trained or tuned on what", ["controller", "kind", "source"], rows, 3)]
+    header = ["controller", "kind", "source"]
+    blocks: list[Block] = [Grid("what was trained or tuned on what", header, rows, 3)]
     times = _decision_times(found)
     if times.rows:
         text = "Time per decision of one ship, on the machine below; it differs between runs."
@@ -83,7 +84,7 @@ def provenance(found: Benchmark) -> Section:
     if not rows:
         return Section("Provenance", [Text("The results say nothing about how they were made.")])
     whole = json.dumps(found.about, indent=1, sort_keys=True, default=str)
-    blocks = [
+    blocks: list[Block] = [
         Grid("of the results", ["", ""], rows, left=2),
         Folded("All that the results say about themselves", [Command(whole)]),
     ]

@@ -17,8 +17,13 @@ from ship_gym.plotting.benchmark import Style, styles
 class Results(Protocol):
     """A table of episodes and what it says about itself, ``episodes_table.Results``."""
 
-    table: Any
-    about: Mapping[str, Any]
+    @property
+    def table(self) -> Any:
+        """A row for each episode."""
+
+    @property
+    def about(self) -> Mapping[str, Any]:
+        """How it was sailed."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -62,9 +67,9 @@ class Benchmark:
     def _by(self) -> dict[tuple[Event, str], Difference]:
         return {(each.event, each.controller): each for each in self.differences}
 
-    def score(self, event: Event, controller: str) -> float | None:
-        """Score of a controller in an event."""
-        run = event.runs.get(controller)
+    def score(self, event: Event, controller: str | None) -> float | None:
+        """Score of a controller in an event; None also of no controller."""
+        run = None if controller is None else event.runs.get(controller)
         return None if run is None else self.scales[event].score(run.middle("value"))
 
     def scored(self, controller: str, among: Sequence[Event]) -> list[Event]:
@@ -74,7 +79,8 @@ class Benchmark:
     def mean_score(self, controller: str, among: Sequence[Event]) -> Estimate | None:
         """Mean score of a controller over those events among some in which it has one."""
         cells = self.scored(controller, among)
-        return mean_score([(e.runs[controller].values, self.scales[e].cell) for e in cells])
+        scales = [(e.runs[controller].values, self.scales[e].cell) for e in cells]
+        return mean_score([(values, cell) for values, cell in scales if cell is not None])
 
 
 def judge(results: Results, references: References | None = None) -> Benchmark:

@@ -107,9 +107,10 @@ def blocks(found: Benchmark, event: Event) -> list[Block]:
             continue
         value = dict(zip(run.seeds.tolist(), run.values.tolist(), strict=True))
         cells = {w: f"{seed}: {words.number(value[seed])}" for w, seed in seeds.items()}
+        row: dict[str, str | Cell] = {**cells}
         if file := recording(found, event, name):
-            cells["worst"] = Cell(cells["worst"], file=file)
-        rows.append([name, *cells.values()])
+            row["worst"] = Cell(cells["worst"], file=file)
+        rows.append([name, *row.values()])
         for which, seed in seeds.items():
             commands.append(f"{episode(found, event, name, seed).command}  # {which}")
     caption = f"seed: {event.measure} [{event.metric.unit}]"
@@ -125,7 +126,8 @@ def shown(found: Benchmark, count: int) -> list[tuple[Event, str, str, int]]:
     of every event, by turns over the ships. The controller is the policy where one sailed, else the
     best classical one.
     """
-    first, rest = [], []
+    first: list[tuple[Event, str, str, int]] = []
+    rest: list[tuple[Event, str, str, int]] = []
     tasks: set[str] = set()
     for event in _by_turns(found.events):
         name = _subject(found, event)

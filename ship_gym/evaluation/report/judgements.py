@@ -58,9 +58,10 @@ def scale(event: Event, references: References | None) -> Scale:
     cell = references.of(event.scenario, event.ship) if references else None
     source = references.version if references else ""
     if cell is None or cell.measure != event.measure:
-        cell, source = _of_these(event), "these episodes"
-    if isinstance(cell, str):
-        return Scale(None, "", cell)
+        made, source = _of_these(event), "these episodes"
+        if isinstance(made, str):
+            return Scale(None, "", made)
+        cell = made
     if cell.scored:
         return Scale(cell, source)
     why = (
@@ -77,10 +78,10 @@ def _of_these(event: Event) -> Reference | str:
     if missing:
         lacks = " and no ".join(missing)
         return f"no reference value is stored, and the results have no {lacks}"
-    middles = [event.runs[name].middle("value") for name in (NOTHING, by)]
-    if None in middles or min(middles) <= 0.0:
+    nothing, best = (event.runs[name].middle("value") for name in (NOTHING, by))
+    if nothing is None or best is None or min(nothing, best) <= 0.0:
         return "no reference value is stored, and the measure of these episodes gives none"
-    return Reference(event.scenario, event.ship, event.measure, *middles, by)
+    return Reference(event.scenario, event.ship, event.measure, nothing, best, by)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -125,25 +126,23 @@ def differences(found: Sequence[Event]) -> list[Difference]:
     nothing is left out: nobody asks, and a larger family hides what is asked.
     """
     pairs = [
-        (event, name, seeds)
+        (event, name, against, seeds)
         for event in found
-        for name in (event.runs if event.best_classical else ())
-        if name not in (event.best_classical, NOTHING)
-        and len(seeds := event.finished([name, event.best_classical])) > 1
+        if (against := event.best_classical)
+        for name in event.runs
+        if name not in (against, NOTHING) and len(seeds := event.finished([name, against])) > 1
     ]
     values = [
-        (event.runs[name].at(seeds), event.runs[event.best_classical].at(seeds))
-        for event, name, seeds in pairs
+        (event.runs[name].at(seeds), event.runs[against].at(seeds))
+        for event, name, against, seeds in pairs
     ]
     judged = [paired(own, best) for own, best in values]
     family = [
         min(each.p, tail(own - best)) for each, (own, best) in zip(judged, values, strict=True)
     ]
     return [
-        Difference(
-            event, name, event.best_classical, len(seeds), each, each.value / best.mean(), float(p)
-        )
-        for (event, name, seeds), each, (_, best), p in zip(
+        Difference(event, name, against, len(seeds), each, each.value / best.mean(), float(p))
+        for (event, name, against, seeds), each, (_, best), p in zip(
             pairs, judged, values, holm(family), strict=True
         )
     ]

@@ -13,7 +13,7 @@ from ship_gym.evaluation.report.events import NOTHING, Event
 from ship_gym.evaluation.statistics import Estimate
 from ship_gym.plotting.benchmark import Range, plot_scores
 from ship_gym.plotting.figure import for_page
-from ship_gym.reports.page import Cell, Grid, Picture, Section, Text
+from ship_gym.reports.page import Block, Cell, Grid, Picture, Section, Text
 
 _SCORE = (
     "Score of a cell (scenario and ship) = 100 ln(nothing / x) / ln(nothing / reference), where x "
@@ -47,8 +47,8 @@ def places(found: Benchmark, among: Sequence[Event]) -> list[Place]:
     rows = []
     for name in found.controllers:
         cells = found.scored(name, among)
-        if cells:
-            rows.append(Place(name, found.mean_score(name, cells), cells))
+        if (score := found.mean_score(name, cells)) is not None:
+            rows.append(Place(name, score, cells))
     total = _scored_cells(found, among)
 
     def order(row: Place) -> tuple[bool, bool, float]:
@@ -69,7 +69,7 @@ def boards(found: Benchmark) -> dict[str, list[Event]]:
 
 def leaderboard(found: Benchmark) -> Section:
     """Mean scores of the controllers, over all cells, by suite and by tier."""
-    blocks = [Text(_SCORE), Text(_SAME_CELLS)]
+    blocks: list[Block] = [Text(_SCORE), Text(_SAME_CELLS)]
     for k, (title, among) in enumerate(boards(found).items()):
         ranked = places(found, among)
         if not ranked:
@@ -109,13 +109,17 @@ def _board(found: Benchmark, title: str, ranked: Sequence[Place], among: Sequenc
 
 def _mean(values: Sequence[float | None]) -> float | None:
     """Mean; None if a value is missing, because the rest would be other cells."""
-    return None if None in values or not len(values) else float(np.mean(values))
+    known = [value for value in values if value is not None]
+    return float(np.mean(known)) if known and len(known) == len(values) else None
+
+
+def _range(score: Estimate) -> Range:
+    ends = [score.value if end is None else end for end in (score.low, score.high)]
+    return Range(score.value, *ends)
 
 
 def _picture(found: Benchmark, title: str, ranked: Sequence[Place]) -> Picture:
-    scores = {
-        row.controller: Range(row.score.value, row.score.low, row.score.high) for row in ranked
-    }
+    scores = {row.controller: _range(row.score) for row in ranked}
     few = len({len(row.cells) for row in ranked}) > 1
     note = " Controllers of fewer cells are shown over those alone." if few else ""
     text = f"Mean scores, {title}, with 95 % intervals over the seeds.{note}"
@@ -168,6 +172,7 @@ def _cell_grid(found: Benchmark, suite: str, among: Sequence[Event]) -> Grid:
         ]
         texts = [each if isinstance(each, Cell) else words.score(each) for each in marked]
         scaled = found.scales[event]
+        assert scaled.cell is not None  # as the event has a score
         name = Cell(f"{event.scenario}, {event.ship}", event.anchor)
         scale = f"{scaled.cell.reference_controller}, {scaled.source}"
         rows.append([name, event.tier, event.measure, *texts, words.score(scaled.optimum), scale])

@@ -67,6 +67,7 @@ def _about(found: Benchmark, event: Event) -> str:
     if scaled.why:
         return f"{text}No score: {scaled.why}."
     cell = scaled.cell
+    assert cell is not None  # as nothing says why not
     text += f"Score 0 at {words.number(cell.nothing)}, 100 at {words.number(cell.reference)} "
     text += f"({cell.reference_controller}, {scaled.source})"
     if cell.optimum is None:
@@ -140,13 +141,7 @@ def _pareto(found: Benchmark, event: Event, wear: str) -> Picture | None:
     points.pop(NOTHING, None)  # far off, it would press the others together
     if len(points) < 2:
         return None
-    labels = tuple(
-        f"{name} [{unit}]"
-        for name, unit in (
-            (wear, all_metrics()[wear].unit),
-            (event.measure, event.metric.unit),
-        )
-    )
+    labels = f"{wear} [{all_metrics()[wear].unit}]", f"{event.measure} [{event.metric.unit}]"
     cell = found.scales[event].cell
     optimum = cell.optimum if cell else None
     caption = (

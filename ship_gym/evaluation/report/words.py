@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ship_gym.evaluation.statistics import Estimate
+from ship_gym.evaluation.statistics import Estimate, Paired
 
 NONE = "-"
 
@@ -19,7 +19,7 @@ def number(value: float | None, digits: int = 3) -> str:
     return f"{value:.{max(0, min(decimals, 6))}f}"
 
 
-def interval(found: Estimate | None, digits: int = 3) -> str:
+def interval(found: Estimate | Paired | None, digits: int = 3) -> str:
     """Value and interval."""
     if found is None:
         return NONE
@@ -37,7 +37,7 @@ def score(value: float | None) -> str:
 def score_interval(found: Estimate | None) -> str:
     """A score and its interval, whole."""
     if found is None or found.low is None:
-        return score(found and found.value)
+        return score(None if found is None else found.value)
     return f"{found.value:.0f} [{found.low:.0f}, {found.high:.0f}]"
 
 

@@ -94,6 +94,7 @@ def _zoom(places: np.ndarray) -> float:
 def _on_earth(lines: list[tuple[int, np.ndarray]], chart: Chart) -> list[np.ndarray]:
     """Lines of the plane, each of one leg, in latitude and longitude [deg]."""
     numbers = np.repeat([number for number, _ in lines], 2)
-    lat, lon = chart.place(*np.concatenate([ends for _, ends in lines]).T, numbers)
+    x, y = np.concatenate([ends for _, ends in lines]).T
+    lat, lon = chart.place(x, y, numbers)
     pairs = zip(lat.reshape(-1, 2), lon.reshape(-1, 2), strict=True)
     return [part for pair in pairs for part in parted_at_antimeridian(*pair)]

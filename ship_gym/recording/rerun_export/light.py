@@ -40,6 +40,7 @@ def make_light(client: ViewerClient, port: int) -> None:
         stderr=subprocess.DEVNULL,
         text=True,
     )
+    assert clicks.stdin is not None and clicks.stdout is not None
     try:
         _ask(clicks, 0, "initialize", _HELLO)
         _tell(clicks.stdin, {"method": "notifications/initialized"})
@@ -67,6 +68,7 @@ def _click(clicks: subprocess.Popen, label: str) -> None:
 
 def _ask(clicks: subprocess.Popen, number: int, method: str, given: dict) -> dict[str, Any]:
     """The answer to a request."""
+    assert clicks.stdin is not None and clicks.stdout is not None
     _tell(clicks.stdin, {"id": number, "method": method, "params": given})
     for line in clicks.stdout:
         answer = json.loads(line)

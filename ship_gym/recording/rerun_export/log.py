@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -111,6 +112,6 @@ def log(out: Output, path: str, archetype) -> None:
     out.stream.log(path, archetype, static=True, strict=True)
 
 
-def log_style(out: Output, path: str, archetype: type, **style) -> None:
+def log_style(out: Output, path: str, archetype: Any, **style) -> None:
     """Log what stays the same of an entity whose geometry changes in time."""
     log(out, path, archetype.from_fields(**style))

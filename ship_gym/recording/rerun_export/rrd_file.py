@@ -15,6 +15,7 @@ import tempfile
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -217,7 +218,7 @@ def _stays(name: str, values: np.ndarray) -> bool:
     return name != "t" and bool((bits == bits[0]).all())
 
 
-def _checksum(data: np.ndarray | bytes) -> str:
+def _checksum(data: Any) -> str:
     return hashlib.blake2b(data, digest_size=8).hexdigest()
 
 

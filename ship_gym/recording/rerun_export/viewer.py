@@ -67,7 +67,7 @@ def show(*paths: str | os.PathLike, moment: float | None = None) -> None:
     """
     if not has_screen():
         raise NoViewer("no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set")
-    with _running([*map(os.fspath, paths)]) as (program, client):
+    with _running([os.fspath(each) for each in paths]) as (program, client):
         if moment is not None:
             moment = check_number("time", moment, 0.0, _loaded(client) + _ROUNDING, "s")
             client.set_time(TIMELINE, duration=moment, play_state="paused")
@@ -88,7 +88,8 @@ def serve_web(*paths: str | os.PathLike) -> Served:
         The server did not start.
     """
     data, page = free_ports(2)
-    arguments = ["--serve-web", "--web-viewer-port", str(page), *map(os.fspath, paths)]
+    arguments = ["--serve-web", "--web-viewer-port", str(page)]
+    arguments += [os.fspath(each) for each in paths]
     program = Program(arguments, data)
     try:
         program.until(lambda: listens(page))

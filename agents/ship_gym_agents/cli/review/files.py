@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def files(**how: Any):
     """Argument FILE..., recordings and journals."""
-    given = {"nargs": -1, "required": True, "metavar": "FILE..."} | how
+    given: dict[str, Any] = {"nargs": -1, "required": True, "metavar": "FILE..."} | how
     return click.argument("files", type=click.Path(path_type=Path), **given)
 
 

@@ -112,11 +112,16 @@ def _check_metrics(runs: Sequence[Run], names: Sequence[str]) -> None:
         check_known("metric", name, metric_names(runs))
 
 
+def _numbers(runs: Sequence[Run], key: str) -> list[Any]:
+    """Values of a metric, which is a number."""
+    return [run.value(key) for run in runs]
+
+
 def _headline(run: Run) -> str | None:
     """The metric that an episode is judged by first, if its task is known here."""
     from ship_gym.tasks import TASKS
 
-    task = run.meta.get("task")
+    task: Any = run.meta.get("task")
     return TASKS[task].headline if task in TASKS and run.metrics else None
 
 
@@ -128,7 +133,7 @@ def _headline_of(runs: Sequence[Run]) -> str:
     found = {str(run.value("task")): name for run in runs if (name := _headline(run))}
     if len(set(found.values())) == 1:
         (name,) = set(found.values())
-        return deciding(name, {key: [run.value(key) for run in runs] for key in (name, "return")})
+        return deciding(name, {key: _numbers(runs, key) for key in (name, "return")})
     if not found:
         raise ConfigError(
             "--worst: no episode of a known task is among the runs; of your own task name "
@@ -150,7 +155,7 @@ def _from_worst(runs: Sequence[Run], by: str) -> list[Run]:
     known = all_metrics()
     if by not in known:
         raise ConfigError(f"--by {by}: nothing says whether less of it is better; use --sort {by}")
-    values, failed = [run.value(by) for run in runs], [run.value("failed") == "yes" for run in runs]
+    values, failed = _numbers(runs, by), [run.value("failed") == "yes" for run in runs]
     found = [runs[i] for i in reversed(ranked(values, known[by].better, failed))]
     if not found:
         raise ConfigError(f"--worst: none of the runs has {by}; give --by METRIC")
@@ -166,7 +171,7 @@ def _next(runs: Sequence[Run]) -> str | None:
     from ship_gym_agents.cli.review.files import next_review
 
     first = next((run for run in runs if not run.error), None)
-    return first and next_review("show", first.path)
+    return None if first is None else next_review("show", first.path)
 
 
 def _csv(runs: Sequence[Run]) -> str:

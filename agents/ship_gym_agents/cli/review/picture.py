@@ -51,6 +51,7 @@ def command(as_json, file, at, out, light, size, painter) -> None:
     if at != STRIP and not painter:
         by, reason = _shoot(file, run, out, moment, size, light)
     if at != STRIP and by == "painter":
+        assert run is not None and moment is not None  # only rerun draws a comparison
         _paint(run, out, moment)
     data = {"file": str(out), "recording": str(file), "time": moment, "by": by, "reason": reason}
     drawn_by = "rerun's viewer" if by == "rerun" else "the painter of env.render"

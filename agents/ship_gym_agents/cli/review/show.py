@@ -7,7 +7,7 @@ import signal
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -60,7 +60,7 @@ def _check_one(files: Sequence[Path], at: str | float) -> None:
         raise ConfigError(f"--at {at:g}: is of one FILE; there are {len(files)}")
 
 
-def _moment(runs: Sequence[Trajectory | None], at: str | float) -> tuple[float | None, str]:
+def _moment(runs: Sequence[Trajectory | None], at: Any) -> tuple[float | None, str]:
     """The time to show [s], also in words; none of several, of a comparison only a given one."""
     from ship_gym_agents.cli.review.moments import said, time_of
 
