@@ -27,6 +27,7 @@ extensions = [
     "website.command_line",
     "website.mathml",
     "website.members",
+    "website.pictures",
     "website.sources",
     "website.tables",
 ]
