@@ -12,38 +12,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from scipy import stats
 
-from ship_gym.captive import Condition
+from ship_gym.identification.captive_fit import Row
 from ship_gym.text import table
 
 _MILLE = 1e3
 _RARE = 0.01  # chance that a fit without fault names a coefficient
 _LEAST = 4  # runs of a file and coefficient from which their mean tells something
 _NOISE = 1e-9  # of the largest coefficient: rounding, no scatter
-
-
-class Row(Protocol):
-    """One measured coefficient (``captive_fit.Row``)."""
-
-    @property
-    def file(self) -> str:
-        """Of the run."""
-
-    @property
-    def run(self) -> Condition:
-        """At which it was measured."""
-
-    @property
-    def name(self) -> str:
-        """As the column of the file, ``Y_out``."""
-
-    @property
-    def axis(self) -> str:
-        """X, Y, N or T."""
 
 
 def by_coefficient(
@@ -162,6 +142,7 @@ def in_words(row: Row) -> str:
         f"{math.degrees(run.beta):.3g} deg of drift" if run.beta else "",
         f"rudder {math.degrees(run.delta):.3g} deg" if run.delta else "",
         f"r' {run.yaw_rate:.3g}" if run.yaw_rate else "",
+        f"v' {run.sway:.3g}" if run.sway else "",
     ]
     where = ", ".join(part for part in parts if part) or "straight ahead"
     return f"{row.name} of {Path(row.file).name} ({where})"
