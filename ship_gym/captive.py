@@ -8,7 +8,8 @@ Planar motion: the carriage runs with U, the model's path swings about it, its c
 chi = chi_0 sin(omega t). The model points along the path (pure yaw) or off it by the drift angle
 (yaw with drift). So r = chi_0 omega cos(omega t) has amplitude r' U / L, and what goes with the yaw
 rate is in the cosine ("out" of phase with the course), what goes with its derivative in the sine
-("in" phase).
+("in" phase). In pure sway the model keeps its heading and sways with v = v' U cos(omega t): what
+goes with the sway velocity is in the cosine, what goes with its derivative in the sine.
 """
 
 from __future__ import annotations
@@ -58,6 +59,8 @@ class Condition:
         r' = r L / U: constant, or its amplitude if the model swings.
     omega : float
         Of the swinging [rad/s]; 0: a static test or a rotating arm.
+    sway : float
+        v' = v / U: amplitude of the sway velocity of a model that sways and does not yaw.
     """
 
     speed: float
@@ -66,6 +69,7 @@ class Condition:
     delta: float = 0.0
     yaw_rate: float = 0.0
     omega: float = 0.0
+    sway: float = 0.0
 
     def __post_init__(self) -> None:
         check_number("captive speed", self.speed, 1e-3, 100.0, "m/s")
@@ -74,8 +78,11 @@ class Condition:
         check_angle("captive delta", self.delta, math.pi / 2)
         check_number("captive yaw_rate", self.yaw_rate, -5.0, 5.0)
         check_number("captive omega", self.omega, 0.0, 100.0, "rad/s")
-        if self.omega > 0.0 and self.yaw_rate == 0.0:
-            raise ConfigError("captive yaw_rate = 0: a model that swings has a yaw rate")
+        check_number("captive sway", self.sway, -2.0, 2.0)
+        if self.omega > 0.0 and (self.yaw_rate == 0.0) == (self.sway == 0.0):
+            raise ConfigError("captive: a model that swings has a yaw rate or sways")
+        if self.omega == 0.0 and self.sway != 0.0:
+            raise ConfigError("captive sway: needs a frequency above zero; a steady one is a drift")
 
 
 def kind(conditions: Sequence[Condition]) -> str:
@@ -86,6 +93,8 @@ def kind(conditions: Sequence[Condition]) -> str:
     ConfigError
         No run, or steady ones and such of a swinging model together.
     """
+    if any(run.sway != 0.0 for run in conditions):
+        raise ConfigError("captive runs: pure sway is for ship-gym fit-hull alone")
     swinging = {run.omega > 0.0 for run in conditions}
     if len(swinging) != 1:
         raise ConfigError("captive runs: either all of a swinging model or all steady, one or more")
@@ -185,8 +194,12 @@ def _steady(run: Condition, L: float) -> tuple[Motion, Motion]:
 
 
 def _swinging(run: Condition, phase: float, L: float) -> tuple[Motion, Motion]:
-    """Motion and its derivatives where the course is chi_0 sin(phase)."""
+    """Motion and its derivatives where the course is chi_0 sin(phase), or v is v' U cos(phase)."""
     U, omega = run.speed, run.omega
+    if run.sway != 0.0:
+        c, s, v = math.cos(run.beta), math.sin(run.beta), run.sway * U
+        there = Motion(U * c, v * math.cos(phase) - U * s, 0.0)
+        return there, Motion(0.0, -v * omega * math.sin(phase), 0.0)
     chi_0 = run.yaw_rate * U / (L * omega)
     chi, r = chi_0 * math.sin(phase), chi_0 * omega * math.cos(phase)
     dr = -omega * omega * chi

@@ -1,10 +1,11 @@
 """A few numbers of a ship calibrated to records of her sailing free, by bounded least squares.
 
-Each record is sailed from its first state with the measured rudder angle and propeller speed
-(``ShipSim``, calm water); what is fitted is where she is and where she points, x / L, y / L and
-psi, at every half ship length of time. Errors of a track follow each other: with the correlation
-rho of neighbouring residuals, standard errors grow by sqrt((1 + rho) / (1 - rho)). Numbers stay in
-the range that ships have (``ships.ranges``).
+Each record is sailed with the measured rudder angle and propeller speed (``ShipSim``, calm water);
+what is fitted is where she is and where she points, x / L, y / L and psi, at every half ship length
+of time. Where and how each record begins is found along with the numbers, within what its first
+rows tell (a normal prior with their covariance). Errors of a track follow each other: with the
+correlation rho of neighbouring residuals, standard errors grow by sqrt((1 + rho) / (1 - rho)).
+Numbers stay in the range that ships have (``ships.ranges``).
 """
 
 from __future__ import annotations
@@ -17,20 +18,23 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ship_gym.config import ConfigError
-from ship_gym.conventions import DELTA, PSI, N, R, U, V, X, Y
-from ship_gym.identification.estimate import Estimate, check_told, scatter, spread
+from ship_gym.identification.estimate import Estimate, check_told, of_some, scatter, spread
 from ship_gym.identification.numbers import full_names, ranges_of, values_of, with_values
 from ship_gym.identification.records import Record, read_record
+from ship_gym.identification.sailed_records import (
+    GROUPS,
+    STARTS,
+    check_rudder,
+    distances,
+    linear,
+    rows_of,
+)
 from ship_gym.ships.particulars import Ship
-from ship_gym.simulation import ShipSim
 
-GROUPS = ("x/L", "y/L", "psi")  # psi in rad
 MOST = 8  # numbers; a track tells few
-_EVERY = 0.5  # [L / U] of time between the rows that are compared
-_DIFFERENCE = 1e-3  # of a number's range, for derivatives
 _AT_BOUND = 1e-3  # of a number's range: the solver stays inside
-_FAR = 1e3  # residual of a ship that is none any more
 _ROUNDS = 3  # of weighting the groups
+_PRIOR = "start"  # group of what the first rows tell of the starts
 
 
 @dataclasses.dataclass(frozen=True)
@@ -84,23 +88,29 @@ def calibrate(
         raise ConfigError(f"{min(both)}: fitted to and held out; allowed is one of them")
     records = [read_record(file, ship) for file in files]
     rest = [read_record(file, ship) for file in held_out]
+    for record in (*records, *rest):
+        check_rudder(ship, record)
     limits = np.array(list(ranges_of(ship, names).values()))
-    start = values_of(ship, names)
-    groups = np.concatenate([_groups(record, ship) for record in records])
-    sigma, values = dict.fromkeys(GROUPS, 1.0), np.clip(start, *limits.T)
+    start, k = values_of(ship, names), len(names)
+    groups = np.append(rows_of(records, ship), [_PRIOR] * (STARTS * len(records)))
+    sigma = dict.fromkeys((*GROUPS, _PRIOR), 1.0)
+    x = np.append(np.clip(start, *limits.T), np.zeros(STARTS * len(records)))
     for _ in each(range(_ROUNDS)):
-        values = _solve(ship, names, records, values, limits, groups, sigma)
-        residuals, J = _linear(ship, names, values, records, limits)
-        check_told(names, J)
-        sigma, freedom = scatter(J, residuals, groups)
+        x = _solve(ship, names, records, x, limits, groups, sigma)
+        residuals, J = _rows(ship, names, records, x, limits)
+        check_told(names, J[:, :k])
+        sigma, freedom = scatter(J, residuals, groups, sigma, known=_PRIOR)
+    values = x[:k]
     rho = {name: _neighbours(residuals[groups == name]) for name in GROUPS}
-    growth = {name: (1.0 + r) / (1.0 - r) for name, r in rho.items()}
+    growth = {name: (1.0 + r) / (1.0 - r) for name, r in rho.items()} | {_PRIOR: 1.0}
     grown = {name: s * growth[name] ** 0.5 for name, s in sigma.items()}
     rows = {name: int((groups == name).sum()) for name in GROUPS}
-    freedom = {name: f / growth[name] for name, f in freedom.items()}
-    estimate = Estimate(
-        names, start, values, *spread(J, groups, grown), sigma, rows, freedom, residuals
-    )
+    freedom = {name: freedom[name] / growth[name] for name in GROUPS}
+    errors, correlation, _ = spread(J, groups, grown)
+    told = of_some(k, errors, correlation)
+    scatters = {name: sigma[name] for name in GROUPS}
+    left = residuals[groups != _PRIOR]
+    estimate = Estimate(names, start, values, *told, scatters, rows, freedom, left)
     room = _AT_BOUND * (limits[:, 1] - limits[:, 0])
     stopped = (values <= limits[:, 0] + room) | (values >= limits[:, 1] - room)
     fitted = with_values(ship, names, values)
@@ -112,8 +122,8 @@ def calibrate(
         tuple(name for name, s in zip(names, stopped, strict=True) if s),
         tuple(records),
         tuple(rest),
-        _rms(ship, everything),
-        _rms(fitted, everything),
+        {one.path: distances(ship, one, scatters) for one in everything},
+        {one.path: distances(fitted, one, scatters) for one in everything},
         rho,
     )
 
@@ -122,21 +132,27 @@ def _solve(
     ship: Ship,
     names: tuple[str, ...],
     records: list[Record],
-    values: np.ndarray,
+    x: np.ndarray,
     limits: np.ndarray,
     groups: np.ndarray,
     sigma: dict[str, float],
 ) -> np.ndarray:
-    """Bounded least squares with given weights of the groups."""
+    """Numbers within their limits, and starts, that suit best with given weights of the groups."""
     weight = np.array([1.0 / sigma[g] for g in groups.tolist()])
     width = limits[:, 1] - limits[:, 0]
+    free = np.full(len(x) - len(names), np.inf)
+    low, high = np.append(limits[:, 0], -free), np.append(limits[:, 1], free)
     room = 1e-9 * width  # the solver wants to begin inside
+    x = np.append(
+        np.clip(x[: len(names)], low[: len(names)] + room, high[: len(names)] - room),
+        x[len(names) :],
+    )
     found = least_squares(
-        lambda x: -_linear(ship, names, x, records, limits, jacobian=False)[0] * weight,
-        np.clip(values, limits[:, 0] + room, limits[:, 1] - room),
-        lambda x: _linear(ship, names, x, records, limits)[1] * weight[:, None],
-        bounds=limits.T,
-        x_scale=width,
+        lambda x: -_rows(ship, names, records, x, limits, jacobian=False)[0] * weight,
+        x,
+        lambda x: _rows(ship, names, records, x, limits)[1] * weight[:, None],
+        bounds=(low, high),
+        x_scale=np.append(width, np.ones(len(free))),
         xtol=1e-6,
         ftol=1e-8,
         max_nfev=40,
@@ -144,70 +160,20 @@ def _solve(
     return found.x
 
 
-def _linear(
+def _rows(
     ship: Ship,
     names: tuple[str, ...],
-    values: np.ndarray,
     records: list[Record],
+    x: np.ndarray,
     limits: np.ndarray,
     *,
     jacobian: bool = True,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Measured minus sailed, shape (m,), and the derivative of what is sailed, shape (m, k)."""
-    steps = _DIFFERENCE * (limits[:, 1] - limits[:, 0])
-    steps = np.where(values + steps > limits[:, 1], -steps, steps)
-    sets = [values, *(values + np.diag(steps) if jacobian else ())]
-    ships = [with_values(ship, names, one) for one in sets]
-    there = [_sailed(ships, record) for record in records]
-    rows = [np.concatenate([tracks[k] for tracks in there]) for k in range(len(ships))]
-    measured = np.concatenate([_measured(record, ship) for record in records])
-    columns = [(row - rows[0]) / s for row, s in zip(rows[1:], steps, strict=False)]
-    return measured - rows[0], np.column_stack(columns) if columns else np.empty((len(rows[0]), 0))
-
-
-def _sailed(ships: list[Ship], record: Record) -> list[np.ndarray]:
-    """X / L, y / L and psi of some ships at the compared rows of a record, each shape (3 m,)."""
-    sim = ShipSim(ships, len(ships), parallel=False)
-    sim.reset(speed=record.motion[0], n=float(record.n[0]))
-    sim.state[:, [U, V, R]] = record.motion
-    sim.state[:, [X, Y, PSI]] = record.x[0], record.y[0], record.psi[0]
-    kept, dt = set(_compared(record, ships[0]).tolist()), np.diff(record.t)
-    found = []
-    for k in range(len(record.t)):
-        if k in kept:
-            found.append(sim.state[:, [X, Y, PSI]].copy())
-        if k < len(dt):
-            sim.state[:, [DELTA, N]] = sim.commands[:] = record.delta[k], record.n[k]
-            sim.set_interval(float(dt[k]))
-            sim.sail()
-    rows = np.array(found) / [ships[0].hull.L, ships[0].hull.L, 1.0]
-    rows = np.where(np.isfinite(rows), np.clip(rows, -_FAR, _FAR), _FAR)
-    return [rows[:, i].T.ravel() for i in range(len(ships))]
-
-
-def _compared(record: Record, ship: Ship) -> np.ndarray:
-    """Rows that are compared: one in `_EVERY`, without the start, where all agree."""
-    step = _EVERY * ship.hull.L / record.motion[0] / float(np.median(np.diff(record.t)))
-    k = max(round(step), 1)
-    return np.arange(k, len(record.t), k)
-
-
-def _measured(record: Record, ship: Ship) -> np.ndarray:
-    at = _compared(record, ship)
-    return np.concatenate([record.x[at] / ship.hull.L, record.y[at] / ship.hull.L, record.psi[at]])
-
-
-def _groups(record: Record, ship: Ship) -> np.ndarray:
-    return np.repeat(GROUPS, len(_compared(record, ship)))
-
-
-def _rms(ship: Ship, records: list[Record]) -> dict[str, np.ndarray]:
-    """Root mean square of x / L, y / L and psi of each record."""
-    found = {}
-    for record in records:
-        gap = _measured(record, ship) - _sailed([ship], record)[0]
-        found[record.path] = np.sqrt(np.mean(gap.reshape(3, -1) ** 2, axis=1))
-    return found
+    """Measured minus sailed, and the derivative of what is sailed; last the starts' own rows."""
+    k, z = len(names), x[len(names) :]
+    gap, J = linear(ship, names, x[:k], z.reshape(-1, STARTS), records, limits, jacobian=jacobian)
+    own = np.hstack([np.zeros((len(z), k)), np.eye(len(z))])
+    return np.append(gap, -z), np.vstack([J, own])
 
 
 def _neighbours(residuals: np.ndarray) -> float:

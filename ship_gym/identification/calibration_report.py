@@ -6,8 +6,9 @@ import math
 from pathlib import Path
 from typing import Any
 
-from ship_gym.identification.calibration import GROUPS, Calibration
+from ship_gym.identification.calibration import Calibration
 from ship_gym.identification.report import estimate_as_dict, identifiability, number_table
+from ship_gym.identification.sailed_records import GROUPS
 from ship_gym.text import paragraph, table
 
 CAVEAT = (

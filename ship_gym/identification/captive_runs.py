@@ -47,7 +47,8 @@ def read_runs(
 
 def _in_range(run: Condition, drift: float) -> bool:
     """Whether the MMG polynomial is the whole of the hull's force in a run, and it is wanted."""
-    return abs(run.beta) <= drift + _ROUND and abs(run.yaw_rate) <= YAW_FULL
+    most = abs(run.beta) + math.atan(abs(run.sway))
+    return most <= drift + _ROUND and abs(run.yaw_rate) <= YAW_FULL
 
 
 def _different(runs: list[tuple[str, Measured]]) -> list[tuple[str, Measured]]:

@@ -9,7 +9,7 @@ is unbiased where each number belongs to one group. With W = 1 / sigma^2 the cov
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy import stats
@@ -63,14 +63,26 @@ class Estimate:
 
 
 def scatter(
-    jacobian: np.ndarray, residuals: np.ndarray, groups: np.ndarray
+    jacobian: np.ndarray,
+    residuals: np.ndarray,
+    groups: np.ndarray,
+    begin: Mapping[str, float] | None = None,
+    known: str = "",
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Standard deviation and degrees of freedom of each group; rows as in `solve`."""
-    sigma = dict.fromkeys(np.unique(groups).tolist(), 1.0)
+    """Standard deviation and degrees of freedom of each group; rows as in `solve`.
+
+    Parameters
+    ----------
+    begin : mapping, optional
+        Standard deviations to begin with; 1 if omitted.
+    known : str
+        A group whose standard deviation is 1, such as a number's own from elsewhere.
+    """
+    sigma = {name: (begin or {}).get(name, 1.0) for name in np.unique(groups).tolist()}
     freedom: dict[str, float] = {}
     for _ in range(_ROUNDS):
         leverage = leverages(jacobian, groups, sigma)
-        for name in sigma:
+        for name in sigma.keys() - {known}:
             own = groups == name
             freedom[name] = float(own.sum() - leverage[own].sum())
             if freedom[name] < 0.5:
@@ -137,6 +149,17 @@ def spread(
     correlation = covariance / np.outer(errors, errors)
     condition = float((values[0] / max(values[-1], 1e-300)) ** 2)
     return errors, correlation, condition
+
+
+def of_some(
+    some: int, errors: np.ndarray, correlation: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Errors, correlation and condition of the first numbers, the others being found with them."""
+    inner = correlation[:some, :some]
+    normal = np.linalg.pinv(inner)
+    size = np.sqrt(np.diag(normal))
+    values = np.linalg.svd(normal / np.outer(size, size), compute_uv=False)
+    return errors[:some], inner, float(values[0] / max(values[-1], 1e-300))
 
 
 def check_told(names: Sequence[str], jacobian: np.ndarray) -> None:

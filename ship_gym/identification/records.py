@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
-from ship_gym.config import UNITS, ConfigError, check_number
+from ship_gym.config import UNITS, ConfigError
 from ship_gym.csv_file import read_csv
+from ship_gym.identification.record_checks import check_record, start_of
 from ship_gym.plain_csv import read_plain_csv
 from ship_gym.reading import read_text
 from ship_gym.reports.captive_file import own_length
@@ -27,7 +27,6 @@ COLUMNS = tuple(_SI)
 _MARIN = {"t": "s", "x": "m", "y": "m", "psi": "deg", "delta": "deg", "n": "rpm"}
 _MARIN_LENGTH = 320.0  # [m]; their rudder angle is positive to port
 _STEP = 0.025  # [L / U0] between rows that are sailed
-_START = 0.2  # [L / U0] over which the motion at the start is measured
 _LEAST = 20  # rows
 
 
@@ -42,8 +41,12 @@ class Record:
         Shape (m,); `psi` goes on beyond 180 deg.
     delta, n : numpy.ndarray
         Mean from each row to the next, shape (m,).
-    motion : tuple of float
-        u, v [m/s] and r [rad/s] at the start, by straight lines through the first rows.
+    time : float
+        Of a ship length at the speed of the start [s].
+    start : numpy.ndarray
+        x, y [m], psi [rad], u, v [m/s], r [rad/s] at t = 0, by the first rows, shape (6,).
+    covariance : numpy.ndarray
+        Of `start`, shape (6, 6): how well the first rows tell it.
     """
 
     path: str
@@ -53,7 +56,9 @@ class Record:
     psi: np.ndarray
     delta: np.ndarray
     n: np.ndarray
-    motion: tuple[float, float, float]
+    time: float
+    start: np.ndarray
+    covariance: np.ndarray
 
 
 def read_record(path: str | Path, ship: Ship) -> Record:
@@ -62,7 +67,8 @@ def read_record(path: str | Path, ship: Ship) -> Record:
     Raises
     ------
     ConfigError
-        Missing column, time that does not go on, or a record that is too short.
+        Missing column, time that does not go on or has gaps, a record that is too short, or
+        columns that do not go with each other.
     """
     marin = "free-running test at MARIN" in read_text(path).partition("\n")[0]
     length, columns = _marin(path) if marin else _own(path, ship)
@@ -76,12 +82,14 @@ def read_record(path: str | Path, ship: Ship) -> Record:
     c["t"] = (c["t"] - c["t"][0]) * math.sqrt(ratio)
     c["x"], c["y"] = c["x"] * ratio, c["y"] * ratio
     c["psi"], c["n"] = np.unwrap(c["psi"]), c["n"] / math.sqrt(ratio)
-    motion = _motion(path, c, ship)
-    k = max(int(_STEP * ship.hull.L / motion[0] / np.median(np.diff(c["t"]))), 1)
+    start, covariance = start_of(path, c, ship)
+    check_record(path, c, start, ship)
+    time = ship.hull.L / float(start[3])
+    k = max(int(_STEP * time / np.median(np.diff(c["t"]))), 1)
     for name in ("delta", "n"):
         c[name] = _means(c["t"], c[name], k)
     t, x, y, psi = (c[name][::k] for name in COLUMNS[:4])
-    return Record(str(path), t, x, y, psi, c["delta"], c["n"], motion)
+    return Record(str(path), t, x, y, psi, c["delta"], c["n"], time, start, covariance)
 
 
 def _means(t: np.ndarray, values: np.ndarray, k: int) -> np.ndarray:
@@ -101,15 +109,3 @@ def _marin(path: str | Path) -> tuple[float, dict[str, np.ndarray]]:
         name: table.numbers(f"{name} [{unit}]") * UNITS[unit][0] for name, unit in _MARIN.items()
     }
     return _MARIN_LENGTH, columns | {"delta": -columns["delta"]}
-
-
-def _motion(
-    path: str | Path, c: Mapping[str, np.ndarray], ship: Ship
-) -> tuple[float, float, float]:
-    """u, v, r at the start: slopes over the first `_START` of a ship length."""
-    first = c["t"] <= max(_START * ship.hull.L / ship.speed, float(c["t"][3]))
-    dx, dy, r = (float(np.polyfit(c["t"][first], c[k][first], 1)[0]) for k in ("x", "y", "psi"))
-    cos, sin = math.cos(c["psi"][0]), math.sin(c["psi"][0])
-    u, v = dx * cos + dy * sin, -dx * sin + dy * cos
-    check_number(f"{path}: speed at the start", u, 0.05 * ship.speed, 3.0 * ship.speed, "m/s")
-    return u, v, r

@@ -142,6 +142,7 @@ def in_words(row: Row) -> str:
         f"{math.degrees(run.beta):.3g} deg of drift" if run.beta else "",
         f"rudder {math.degrees(run.delta):.3g} deg" if run.delta else "",
         f"r' {run.yaw_rate:.3g}" if run.yaw_rate else "",
+        f"v' {run.sway:.3g}" if run.sway else "",
     ]
     where = ", ".join(part for part in parts if part) or "straight ahead"
     return f"{row.name} of {Path(row.file).name} ({where})"

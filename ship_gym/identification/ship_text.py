@@ -15,6 +15,7 @@ from ship_gym.reading import read_text
 from ship_gym.ships.files import file_of
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Ship
+from ship_gym.simulation import ShipSim
 from ship_gym.text import WIDTH
 from ship_gym.writing import atomic_path
 
@@ -49,7 +50,7 @@ def write_ship(
     ------
     ConfigError
         The file of the base writes a number in a way that cannot be replaced, or a fitted number
-        is one that no ship has.
+        is one that no ship has; or the ship does what no ship does (``behaviour``).
     """
     origin = file_of(base)
     text = ship_text(read_text(origin), fitted, sources)
@@ -107,8 +108,10 @@ def _with_base_path(text: str, origin: Path, path: Path) -> str:
 
 
 def _check(path: Path, fitted: Ship, names: tuple[str, ...]) -> None:
-    """Load what was written; its numbers are those found."""
-    there, meant = values_of(load_ship(path), names), values_of(fitted, names)
+    """Load what was written, see that she sails as ships do; her numbers are those found."""
+    ship = load_ship(path)
+    ShipSim(ship, 1)
+    there, meant = values_of(ship, names), values_of(fitted, names)
     wrong = np.abs(there - meant) > _SAME * np.maximum(np.abs(meant), 1e-6)
     if wrong.any():
         name = names[int(wrong.argmax())]

@@ -18,8 +18,8 @@ from ship_gym.reading import read_text
 from ship_gym.ships.particulars import Ship
 
 _NEEDED = ("speed", "n")
-_SI = {"speed": "m/s", "n": "rev/s", "beta": "rad", "delta": "rad", "yaw_rate": "-"}
-_MOTIONS = ("beta", "delta", "yaw_rate", "frequency")
+_SI = {"speed": "m/s", "n": "rev/s", "beta": "rad", "delta": "rad", "yaw_rate": "-", "sway": "-"}
+_MOTIONS = ("beta", "delta", "yaw_rate", "sway", "frequency")
 _CYCLES = {"1/s": 1.0, "Hz": 1.0, "rev/s": 1.0, "rad/s": 0.5 / math.pi}  # of a frequency
 FORCES = (*AXES, *(f"{axis}_{part}" for axis in AXES for part in PARTS))
 # what HMRI's files call them; forces follow by rule
@@ -50,10 +50,11 @@ def read_measured(path: str | Path, ship: Ship) -> list[Measured]:
 
     Our own form starts as every data file does (``csv_file.read_csv``) and may have a line
     ``# length: 6.893``, the model's own [m]. Its columns are ``speed [m/s]`` and ``n [rev/s]``,
-    the motion (``beta [deg]``, ``delta [deg]``, ``yaw_rate [-]``, ``frequency [1/s]``; one that is
-    not there is zero) and coefficients by 1/2 rho L d U^2, moments by that times L: ``X [-]``,
-    ``Y [-]``, ``N [-]``, thrust ``T [-]``, or their harmonics (``Y_out [-]``), signs as here. A
-    file of HMRI's captive tests (SIMMAN 2014) is known by its first line.
+    the motion (``beta [deg]``, ``delta [deg]``, ``yaw_rate [-]``, ``sway [-]``,
+    ``frequency [1/s]``; one that is not there is zero) and coefficients by 1/2 rho L d U^2,
+    moments by that times L: ``X [-]``, ``Y [-]``, ``N [-]``, thrust ``T [-]``, or their harmonics
+    (``Y_out [-]``), signs as here. A file of HMRI's captive tests (SIMMAN 2014) is known by its
+    first line.
 
     Raises
     ------
@@ -71,7 +72,7 @@ def _measured(
     path: str | Path, line: int, row: Mapping[str, float], root: float, L: float
 ) -> Measured:
     """One run from its columns in SI; `root` is that of the ratio of lengths, ship by model."""
-    motion = {key: row.get(key, 0.0) for key in ("beta", "delta", "yaw_rate")}
+    motion = {key: row.get(key, 0.0) for key in ("beta", "delta", "yaw_rate", "sway")}
     omega = 2.0 * math.pi * row.get("frequency", 0.0) / root
     try:
         run = Condition(row["speed"] * root, row["n"] / root, omega=omega, **motion)
@@ -156,6 +157,9 @@ def _hmri(path: str | Path, ship: Ship) -> tuple[float, list[tuple[int, dict]]]:
     for name in _NEEDED:
         if name not in columns:
             raise ConfigError(f"{path}: no column {name!r}: no captive test")
+    if "vdot" in columns:  # by U^2 / L, of v = v' U cos(omega t)
+        omega = 2.0 * math.pi * columns["frequency"] * _HMRI_LENGTH / columns["speed"]
+        columns["sway"] = -columns["vdot"] / omega
     for name in columns:
         if name in FORCES:
             columns[name] = columns[name] * ship.hull.L / ship.hull.d

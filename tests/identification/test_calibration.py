@@ -94,7 +94,7 @@ def test_records_that_do_not_tell_are_refused(sailed, tmp_path):
     [
         (["0,0,0,0,0,600"] * 30, "t .s. in row 2: must be later"),
         ([f"{k},{k},0,0,0,600" for k in range(5)], "5 rows: allowed are 20 or more"),
-        ([f"{k},0,0,0,0,600" for k in range(30)], "speed at the start"),
+        ([f"{k},0,0,0,0,600" for k in range(30)], "speed ahead at the start .* = 0.0"),
     ],
 )
 def test_a_record_that_is_none_is_refused(tmp_path, rows, words):
@@ -108,11 +108,71 @@ def test_a_record_that_is_none_is_refused(tmp_path, rows, words):
         read_record(path, SHIP)
 
 
+def changed(path: Path, change) -> Path:
+    """A record with its table, columns t, x, y, psi, delta, n, changed."""
+    lines = path.read_text().splitlines()
+    body = next(k for k, line in enumerate(lines) if not line.startswith("#")) + 1
+    table = change(np.loadtxt(lines[body:], delimiter=","))
+    path.write_text("\n".join(lines[:body] + [",".join(map(repr, r)) for r in table.tolist()]))
+    return path
+
+
+def times(*factors):
+    return lambda table: table * np.array(factors)
+
+
+def without(first: int, last: int):
+    return lambda table: np.delete(table, slice(first, last), axis=0)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (times(1, 1, 1, -1, 1, 1), r"turns -0\.\d+ times as far as psi"),
+        (times(1, 1, -1, 1, 1, 1), r"turns -0\.\d+ times as far as psi"),
+        (times(1, 1, 1, math.pi / 180.0, 1, 1), "times as far as psi: allowed is 0.5 to 2"),
+        (times(1, 1, 1, 1, 1, 1 / 60.0), r"n at the start = 0\.174 rev/s"),
+        (times(1, 1, 1, 1, 8, 1), r"largest delta = 160.* deg: allowed is|largest delta = 160"),
+        (times(1, 1, 1, 1, -1, 1), "with delta reversed .*: delta is positive to starboard"),
+        (lambda table: table[:, [0, 2, 1, 3, 4, 5]], "speed ahead at the start"),
+        (without(2500, 3000), r"a gap of 1\.\d+ ship lengths before row 2501: allowed are 0.5"),
+        (lambda table: table[:400], "ship lengths: allowed are 2 or more"),
+    ],
+    ids=["psi", "y", "psi in rad", "n in rev/s", "delta", "delta to port", "x y", "gap", "short"],
+)
+def test_columns_that_do_not_go_together_are_refused(sailed, tmp_path, change, words):
+    path = changed(own_record(tmp_path / "z.csv", sailed["zigzag"]), change)
+    with pytest.raises(ConfigError, match=words) as error:
+        calibrate(SHIP, [path], ["N_r"])
+    assert str(error.value).startswith(str(path)) and len(str(error.value)) < 300 + len(str(path))
+
+
+def test_a_start_in_a_turn_and_of_a_noisy_track_is_found_too(sailed, tmp_path):
+    """No row straight ahead, all rows with noise, uneven steps: the numbers come back."""
+    rng, files = np.random.default_rng(2), []
+    for name in ("turn", "zigzag"):
+        path = own_record(tmp_path / f"{name}.csv", sailed[name])
+
+        def cut(table):
+            table = table[300::4]  # the rudder is over, she turns
+            table = table[np.sort(rng.choice(len(table), len(table) // 2, replace=False))]
+            noise = rng.normal(0.0, 1.0, (len(table), 3)) * [0.07, 0.07, 0.3]
+            table[:, 1:4] += noise
+            return table
+
+        files.append(changed(path, cut))
+    e = calibrate(SHIP, files, NAMES).estimate
+    assert np.abs((e.values - values_of(TRUE, NAMES)) / e.errors).max() < 3.0
+    assert (e.errors < 0.3 * np.abs(values_of(TRUE, NAMES) - values_of(SHIP, NAMES))).all()
+    assert e.sigma["x/L"] == pytest.approx(0.07 / SHIP.hull.L, rel=0.25)
+
+
 @needs_marin
 def test_the_form_of_marin():
     """15.5 kn at full scale is 1.179 m/s here; a rudder angle of theirs is to port."""
     record = read_record(MARIN / "marin_free_turn_35.csv", SHIP)
-    assert record.motion[0] == pytest.approx(1.179, rel=0.01) and abs(record.motion[1]) < 0.02
+    assert record.start[3] == pytest.approx(1.179, rel=0.01) and abs(record.start[4]) < 0.02
+    assert math.sqrt(record.covariance[3, 3]) < 0.01 * record.start[3]
     assert record.n.mean() == pytest.approx(10.33, abs=0.01)
     assert math.degrees(record.delta.min()) == pytest.approx(-35.0, abs=1.0)
     assert record.psi[-1] < -2.0 * math.pi

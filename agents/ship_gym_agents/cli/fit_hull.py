@@ -12,12 +12,14 @@ from ship_gym_agents.cli.options import Several, force, out, ship, verb
 from ship_gym_agents.cli.values import Number
 
 _COLUMNS = """
-columns of --captive: speed [m/s], n [rev/s]; may be there: beta [deg], delta [deg], yaw_rate [-],
-frequency [1/s] (a model that swings); coefficients by 1/2 rho L d U^2 (moments by that times L):
-X [-], Y [-], N [-], thrust T [-], or their harmonics, Y_in [-], Y_out [-], Y_in2 [-], ... A line
-'# length: 6.9' names the model's own [m]. The files of HMRI's tests of KVLCC2 are read as they are.
-columns of --records: t [s], x [m] (north), y [m] (east), psi [deg], delta [deg] (to starboard),
-n [rpm]; a line '# length: 320' names the ship's own [m]. Calm water; the first rows straight ahead.
+columns of --captive: speed [m/s], n [rev/s]; may be there: beta [deg], delta [deg]; of a model that
+swings frequency [1/s] and yaw_rate [-] or, in pure sway, sway [-] (v / U). Coefficients by
+1/2 rho L d U^2 (moments by that times L): X [-], Y [-], N [-], thrust T [-], or their harmonics,
+Y_in [-], Y_out [-], Y_in2 [-], ... X ahead, Y and delta to starboard, N bow to starboard about
+midship, beta where she drifts to port; inertia not taken off. A line '# length: 6.9' names the
+model's own [m]. The files of HMRI's tests of KVLCC2 are read as they are.
+columns of --records: t [s], x [m] (north), y [m] (east), psi [deg] (clockwise from north),
+delta [deg] (to starboard), n [rpm]; a line '# length: 320' names the ship's own [m]. Calm water.
 """
 
 

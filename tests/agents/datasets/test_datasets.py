@@ -351,6 +351,8 @@ def test_a_disk_that_fills_up_is_one_line_and_leaves_nothing(tmp_path):
         ("env_spec", {"kwargs": {"record": "/tmp/x"}}, "unknown argument of env_spec"),
         ("env_spec", {"additional_wrappers": [{"name": "x"}]}, "has wrappers"),
         ("total_episodes", "many", ""),
+        ("total_episodes", 13, "or damaged"),
+        ("requirements", [["ship-gym"]], "requirements has ['ship-gym']"),
     ],
 )
 def test_a_set_of_others_is_one_line_and_runs_nothing(folder, tmp_path, key, value, words):
