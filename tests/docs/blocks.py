@@ -6,10 +6,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [
-    *(
-        ROOT / name
-        for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "ship_gym/README.md")
-    ),
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md")),
+    *ROOT.glob("ship_gym/README.md"),  # not beside an installed package
     *sorted((ROOT / "docs").rglob("*.md")),
 ]
 # a fence, with the mark that may stand on the line before it

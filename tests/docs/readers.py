@@ -9,6 +9,7 @@ FEW = "--steps 4096 --set training.validations=1 duration=60"  # a training of s
 
 READERS = {
     "docs/autopilot_loop.md": Reader(
+        libraries=("pynmea2", "pyproj", "gpxpy", "rerun"),
         given={"route.rtz": DOCS / "examples/kiel.rtz"},
         shorter={
             "ship-gym serve           ": "ship-gym serve --duration 5 --speed-up 1000 --port 0",
@@ -18,6 +19,7 @@ READERS = {
         },
     ),
     "docs/benchmark.md": Reader(
+        libraries=("pyarrow", "matplotlib", "torch"),
         given={
             "mine.py": given.controller("Mine"),
             "my_ship.toml": given.ship,
@@ -35,11 +37,13 @@ READERS = {
             "my_suite.toml --out": "my_suite.toml --seeds 2 --no-report --out",
         },
     ),
-    "docs/cosimulation.md": Reader(given={"mine/ship.toml": given.ship}),
+    "docs/cosimulation.md": Reader(libraries=("pythonfmu",), given={"mine/ship.toml": given.ship}),
     "docs/datasets.md": Reader(
+        libraries=("minari", "h5py"),
         given={"runs/heading": given.policy, "mine.py": given.controller("LQR")},
+        before=("ship-gym dataset --episodes 2",),
         shorter={
-            "ship-gym dataset      ": "ship-gym dataset --episodes 2",
+            "ship-gym dataset      ": "# ",
             "--noise 0 0.1 --episodes 50": "--noise 0 0.1 --episodes 2",
             "--noise 0.05 --noise-time 30": "--noise 0.05 --noise-time 30 --episodes 2",
             "--out ~/.minari/datasets": "--out home/.minari/datasets --episodes 2",
@@ -48,11 +52,14 @@ READERS = {
         },
     ),
     "docs/own.md": Reader(
+        libraries=("sklearn", "rerun"),
         given={
             "points.csv": ROOT / "ship_gym/surrogates/data/kcs_propeller_rudder_cfd.csv",
         },
+        shorter={'DATA / "kvlcc2_model"': 'DATA / "kcs_model"'},  # the ship that was computed
     ),
     "docs/fit_hull.md": Reader(
+        libraries=("matplotlib",),
         given={
             "docs/examples/kvlcc2_hmri/ship.toml": DOCS / "examples/kvlcc2_hmri/ship.toml",
             "mine/ship.toml": given.ship,
@@ -60,8 +67,11 @@ READERS = {
             **dict.fromkeys(("turn.csv", "zigzag.csv", "other.csv"), given.record),
         },
     ),
-    "docs/policy_files.md": Reader(given={"runs/heading": given.policy}),
+    "docs/policy_files.md": Reader(
+        libraries=("onnx", "onnxruntime"), given={"runs/heading": given.policy}
+    ),
     "docs/recordings.md": Reader(
+        libraries=("rerun", "gpxpy", "pyproj"),
         given={
             "kiel.rtz": DOCS / "examples/kiel.rtz",
             "runs/a": given.policy,
@@ -74,18 +84,20 @@ READERS = {
         shorter={"--seeds 100": "--seeds 3"},
     ),
     "docs/routes.md": Reader(
-        given={"docs/examples/kiel_gedser.rtz": DOCS / "examples/kiel_gedser.rtz"}
+        libraries=("pyproj", "gpxpy", "matplotlib"),
+        given={"docs/examples/kiel_gedser.rtz": DOCS / "examples/kiel_gedser.rtz"},
     ),
     "docs/speed.md": Reader(
-        given={"docs/speed.md": DOCS / "speed.md"},
         shorter={
-            "--full": "--quick",
-            # needs a second checkout; takes minutes: tests/reports/test_warm_up.py
+            # tests/scripts/test_speed.py has the same, shorter; --against needs a second checkout
+            "ship-gym speed --full": "# ",
             "ship-gym speed --against ../before ": "# ",
+            # takes minutes: tests/reports/test_warm_up.py
             "ship-gym warm-up": "# ",
         },
     ),
     "docs/training.md": Reader(
+        libraries=("stable_baselines3", "optuna", "matplotlib"),
         given={"my_ranges.toml": given.file_in("docs/training.md", "my_ranges.toml")},
         shorter={
             "--minutes 2 --out": f"{FEW} algorithm.episodes=8 --out",
@@ -99,9 +111,13 @@ READERS = {
         },
     ),
     "docs/seaway.md": Reader(
+        libraries=("matplotlib",),
         given={
             "docs/spectra/hindcast.csv": DOCS / "spectra/hindcast.csv",
             "spectra/hindcast.csv": DOCS / "spectra/hindcast.csv",
         },
     ),
+    "docs/clients.md": Reader(libraries=("stable_baselines3", "moviepy")),
+    "docs/gpu.md": Reader(libraries=("torch",)),
+    "docs/making.md": Reader(libraries=("PIL",)),
 }

@@ -48,18 +48,22 @@ class Reader:
     before:
         Commands that were called before the page is read.
     shorter:
-        Text of the page and what is run instead; ``""`` leaves it out.
+        Text of the page and what is run instead.
+    libraries:
+        What the page needs beyond the package's own; without them a test skips it.
     """
 
     given: Mapping[str, Path | str | Callable[[Path], object]] = field(default_factory=dict)
     before: tuple[str, ...] = ()
     shorter: Mapping[str, str] = field(default_factory=dict)
+    libraries: tuple[str, ...] = ()
 
 
 def run_page(page: str, reader: Reader | None = None, client: str | None = None) -> dict:
     """All blocks of a page in order, in the working directory; gives the names they leave.
 
-    Of blocks that need a library of `CLIENTS` those of `client` are run.
+    With `client`, a library of `CLIENTS`, those that need it and no others, which stand for
+    themselves; without, those that need none.
     """
     reader, names = reader or Reader(), {"__name__": "page"}
     for name, source in reader.given.items():
@@ -67,7 +71,7 @@ def run_page(page: str, reader: Reader | None = None, client: str | None = None)
     for line in reader.before:
         call(line)
     for block in blocks_of(ROOT / page):
-        if not block.why and (needs(block) or client) == client:
+        if not block.why and needs(block) == client:
             run_block(block, reader, names)
     return names
 
