@@ -27,7 +27,9 @@ extensions = [
     "website.command_line",
     "website.mathml",
     "website.members",
+    "website.pictures",
     "website.sources",
+    "website.tables",
 ]
 
 root_doc = "docs/index"

@@ -109,19 +109,25 @@ if [ "$kernel_coverage" = yes ]; then
     cover_kernels
     exit
 fi
-compiling=
+# Once, while the checks leave a processor idle, what each process of pytest would do for itself:
+# machine code that hundreds of tests share, bytecode of tests and packages. What is wrong with
+# these the tests say.
+prepare() {
+    SHIP_GYM_ONE_VERSION=1 "$VENV/bin/ship-gym" warm-up --jobs 1 --task heading_keeping \
+        --task course_changing --task track_following --task tests/recipes/hold_yaw_rate.py || true
+    PYTHONDONTWRITEBYTECODE="" "$PY" -m pytest --collect-only -q || true
+}
+
+preparing=
 if [ ${#arguments[@]} -eq 0 ]; then # all tests, not a few
-    # Machine code that hundreds of them share, while the checks leave a processor idle: each process
-    # of pytest would compile all of it for itself. What is wrong with it the tests say.
-    SHIP_GYM_ONE_VERSION=1 "$VENV/bin/ship-gym" warm-up --json >/dev/null 2>&1 &
-    compiling=$!
-    trap 'rm -f "$log"; kill "$compiling" 2>/dev/null || true' EXIT
+    prepare >/dev/null 2>&1 &
+    preparing=$!
 fi
 check "ruff check" ruff check .
 check "ruff format --check" ruff format --check .
 check "lint-imports" lint-imports
 check "mypy" mypy
-[ -z "$compiling" ] || wait "$compiling" || true
+[ -z "$preparing" ] || wait "$preparing"
 run_pytest "fast tests" "not slow"
 [ "$slow" = no ] || run_pytest "slow tests" "slow"
 [ "$tests_ran" = yes ] || failed+=("no test ran")

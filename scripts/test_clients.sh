@@ -10,8 +10,8 @@ Usage: bash scripts/test_clients.sh [--slow] [--wheel FILE]
 
 Makes a virtual environment in a temporary folder with ship-gym[clients], which brings TorchRL, skrl
 and Tianshou, and runs the tests that need them: the adapter for Tianshou and TorchRL's GymWrapper
-against loops of our own, and the examples of docs/examples. A test that is skipped for want of a
-library is an error here.
+against loops of our own, the examples of docs/examples and the blocks of pages. A test that is
+skipped for want of a library is an error here.
 
   --slow        also train with each for a minute, and see that it has learned to steer
   --wheel FILE  install this wheel of Ship Gym instead of the checkout
@@ -42,12 +42,10 @@ while [ $# -gt 0 ]; do
 done
 [ -e "$source_" ] || die "--wheel $source_: no such file"
 
-set_up_beside clients "$source_" "1.5 GB" pytest
+set_up_beside clients,minari,render "$source_" "1.5 GB" pytest
 
-# The installed package, not the checkout: tests and examples are copied, and nothing else is there.
-mkdir docs
-cp -r "$ROOT/tests" tests
-cp -r "$ROOT/docs/examples" docs/examples
+# The installed package, not the checkout: tests and pages are copied, and nothing else is there.
+cp -r "$ROOT/tests" "$ROOT/docs" "$ROOT"/*.md .
 cat >pytest.ini <<'INI'
 [pytest]
 addopts = --import-mode=importlib
@@ -57,6 +55,6 @@ markers =
 INI
 say "The tests that need them"
 "$PY" -m pytest -q -rs -p no:cacheprovider tests/agents/test_tianshou_env.py tests/envs/test_torchrl.py \
-    tests/examples -k "(tianshou or skrl or torchrl)$learns" | tee "$work/log"
+    tests/examples tests/docs/test_pages.py -k "(tianshou or skrl or torchrl)$learns" | tee "$work/log"
 ! grep -q "skipped" "$work/log" || die "tests were skipped (see above)"
 say "TorchRL, skrl and Tianshou sail with Ship Gym: $((SECONDS - started)) s"

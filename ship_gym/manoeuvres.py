@@ -6,7 +6,9 @@ Those with the engine are in ``stopping``, those of course stability in ``stabil
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -320,13 +322,15 @@ class Run:
 
     def until(self, reached: Any, delta: float, longest: float) -> None:
         """Sail with rudder command `delta` [rad] until `reached(sim, time)` or `longest` [s]."""
-        sim, command = self.sim, np.array([[delta, self.n]])
-        end = sim.time[0] + longest
+        sim, end = self.sim, self.sim.time[0] + longest
+        now, then = (sim.state[0], sim.waves[0]), (sim.commands[0], sim.forces[0], sim.flow[0])
+        command = np.array([[delta, self.n]])
+        sail: Callable[[], np.ndarray] = functools.partial(sim.step, command, self.dt)
         while sim.time[0] < end and not reached(sim, sim.time[0]):
-            time, state, waves = sim.time[0], sim.state[0].copy(), sim.waves[0].copy()
-            sim.step(command, self.dt)
-            row = (time, state, sim.commands[0], sim.forces[0], sim.flow[0], waves)
-            self._kept.append(tuple(np.array(part) for part in row))
+            time, state, waves = sim.time[0], *(part.copy() for part in now)
+            sail()
+            sail = sim.advance  # on under the same commands, which need no second look
+            self._kept.append((time, state, *(part.copy() for part in then), waves))
 
     def overshoot(self, start: int, side: float, target: float) -> float:
         """Largest heading past `target` [rad] on one side since row `start`."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 import platform
@@ -15,6 +16,11 @@ _PACKAGES = ("numpy", "scipy", "numba", "gymnasium", "torch", "stable-baselines3
 
 def versions() -> dict[str, str]:
     """Versions of Python, this package and the installed libraries that decide a result."""
+    return dict(_versions())
+
+
+@functools.cache  # what a process has imported stays what it is
+def _versions() -> dict[str, str]:
     found = {"python": platform.python_version(), "ship-gym": _version("ship-gym")}
     for name in _PACKAGES:
         if (version := _version(name)) != "not installed":
@@ -29,8 +35,11 @@ def _version(name: str) -> str:
         return "not installed"
 
 
+@functools.cache  # git looks at every file of the checkout, for every artefact
 def git_commit() -> str:
     """Commit of the checkout that this package runs from, with ``-dirty`` if it was edited.
+
+    As it was when this process first asked: the code that runs does not change with later edits.
 
     Returns
     -------

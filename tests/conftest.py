@@ -1,3 +1,4 @@
+import contextlib
 import dataclasses
 import os
 
@@ -11,6 +12,13 @@ from ship_gym.ships.records import fleet
 # One compiled version of the kernels for all ships: hundreds of tests sail a little. That the
 # version of one kind of ship has the same bits is tested in tests/physics/test_blocks.py.
 os.environ.setdefault("SHIP_GYM_ONE_VERSION", "1")
+
+# A test says what is right, not how fast: one example may compile a kernel, or meet a busy machine.
+with contextlib.suppress(ImportError):  # scripts/test_clients.sh and test_rllib.sh go without it
+    from hypothesis import settings
+
+    settings.register_profile("ship_gym", deadline=None)
+    settings.load_profile("ship_gym")
 
 SHIPS = available_ships()
 

@@ -113,7 +113,8 @@ class ReferenceModel:
         self._p, self._ship = parameters, ship
         self._parts = math.ceil(step / _LONGEST)
         self._step = step / self._parts
-        self._psi, self._fresh = None, Fresh()
+        self._psi: np.ndarray | None = None
+        self._fresh = Fresh()
 
     def restart(self, rows: np.ndarray) -> None:
         """Begin anew in these rows where the ship then is."""
@@ -136,21 +137,21 @@ class ReferenceModel:
         first, rest = self._fresh.take(), np.zeros(len(psi))
         if self._psi is None:
             self._r = self._a = self._v = rest
-        self._psi = begun(self._psi, first, psi)
+        now = begun(self._psi, first, psi)
         self._r, self._a, self._v = (begun(x, first, rest) for x in (self._r, self._a, self._v))
         w, limit, fastest = self._p.frequency, self._p.rate_limit, self._p.acceleration_limit
-        self._psi = self._psi + jump
+        now = now + jump
         for _ in range(self._parts):
-            left = wrap_angle(target - self._psi)
+            left = wrap_angle(target - now)
             jerk = w * (w * (w * left - 3.0 * self._r) - 3.0 * self._a)
             self._a = np.clip(self._a + self._step * jerk, -fastest, fastest)
             r = self._r + self._step * self._a
             self._a = np.where(np.abs(r) > limit, 0.0, self._a)
             self._r = np.clip(r, -limit, limit)
-            self._psi = self._psi + self._step * self._r
+            now = now + self._step * self._r
             rudder = self._turning()
-        self._psi = wrap_angle(self._psi)
-        return self._psi, self._r, self._v, rudder
+        self._psi = now = wrap_angle(now)
+        return now, self._r, self._v, rudder
 
     def _turning(self):
         """Rudder angle [rad] of the linear ship in this turn; takes its sway one part on."""

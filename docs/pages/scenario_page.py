@@ -25,12 +25,6 @@ _INTRO = """\
 A scenario says everything that an environment is: task, ship, times, sea, limits, rewards. Choose
 one, replace some of its keys, or write one:
 
-```python
-gym.make("ShipGym/HeadingKeeping-v0", scenario="heading_ss5_beam")
-gym.make("ShipGym/HeadingKeeping-v0", overrides={"sea.states": ["ss5"], "reward.rudder": 0.5})
-gym.make("ShipGym/HeadingKeeping-v0", scenario="my_scenario.toml")
-```
-
 ```toml
 # my_scenario.toml: only what differs from its base
 base = "heading_ss5_beam"
@@ -38,6 +32,14 @@ ship = "dtc"
 
 [sea]
 current_speed = 0.5
+```
+
+```python
+import gymnasium as gym, ship_gym
+
+gym.make("ShipGym/HeadingKeeping-v0", scenario="heading_ss5_beam")
+gym.make("ShipGym/HeadingKeeping-v0", overrides={"sea.states": ["ss5"], "reward.rudder": 0.5})
+gym.make("ShipGym/HeadingKeeping-v0", scenario="my_scenario.toml")
 ```
 
 Unknown keys and values that are not allowed are refused; the message names the nearest key, or

@@ -98,7 +98,8 @@ class Verbs(SphinxDirective):
     def section(self, context: click.Context) -> nodes.section:
         """Usage, text, examples, options, notes."""
         path, command = context.command_path, context.command
-        made = nodes.section("", nodes.title("", path), names=[nodes.make_id(path)])
+        title = path.removeprefix(f"{PROGRAM} ")  # short, so that the search finds it
+        made = nodes.section("", nodes.title("", title), names=[nodes.make_id(path)])
         self.state.document.note_explicit_target(made)
         made += [block(usage(context), "text"), *prose(command.help)]
         if lines := examples(context):

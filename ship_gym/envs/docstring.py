@@ -124,6 +124,8 @@ def _example(task: Task) -> str:
     overrides = f"\n    overrides={dict(task.example)!r}," if task.example else ""
     return f"""\
 ```python
+import gymnasium as gym, ship_gym
+
 gym.make(
     "{task.env_id}",
     ship="kcs",

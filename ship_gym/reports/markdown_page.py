@@ -85,7 +85,7 @@ def _markdown(block: Block, folder: str) -> str:
         case Heading(text):
             return f"### {text}"
         case Command(text):
-            return f"```\n{text}\n```"
+            return f"```text\n{text}\n```"
         case Grid():
             return _grid(block)
         case Picture():

@@ -21,7 +21,8 @@ SPEED_STEP = 0.05  # of the Froude number
 
 
 @functools.lru_cache(maxsize=16)
-def _table(path: str) -> WaveTable:
+def _table(path: str, state: tuple[int, ...]) -> WaveTable:
+    """The table of a file, read again if its `state` is another one."""
     return WaveTable.load(path)
 
 
@@ -37,8 +38,8 @@ def wave_table_of(ship: Ship) -> WaveTable:
         raise ConfigError(
             f"{ship.name} has no wave table, which a sea with waves needs; {_remedy(ship)}"
         )
-    table, apart = _table(ship.wave_table), _apart(ship.wave_table, ship)
-    if apart:
+    table = _table(ship.wave_table, ship.wave_state)
+    if apart := _apart(ship):
         raise ConfigError(
             f"{ship.wave_table} was made for {table.card['ship']} with {apart}; {_remedy(ship)}"
         )
@@ -46,8 +47,8 @@ def wave_table_of(ship: Ship) -> WaveTable:
 
 
 @functools.lru_cache(maxsize=64)  # asked for each sea of each episode
-def _apart(path: str, ship: Ship) -> str:
-    return next(differences(_table(path).card, ship), "")
+def _apart(ship: Ship) -> str:
+    return next(differences(_table(ship.wave_table, ship.wave_state).card, ship), "")
 
 
 def _remedy(ship: Ship) -> str:

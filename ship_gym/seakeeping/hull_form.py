@@ -155,7 +155,9 @@ def hull_lines(ship: Ship, stations: int = STATIONS) -> HullLines:
     """
     form, hull = ship.form, ship.hull
     if form is None:
-        raise ConfigError(f"{ship.name}: no section [form], which a hull form is drawn from")
+        raise ConfigError(
+            f"{ship.name}: no section [form], which a hull is drawn from; name a hull file (--mesh)"
+        )
     bulb = ship_bulb(ship)
     breadth, area = breadth_curve(ship), area_curve(ship, bulb)
     share = np.linspace(0.0, 1.0, stations + 1)

@@ -8,6 +8,7 @@ from ship_gym.ships.estimators import block_coefficient
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.ranges import RANGES
 
+FULLNESS = 0.1  # difference of C_b up to which a form factor is taken for the same
 FROUDE = 0.05  # difference up to which a residual coefficient is taken for the same
 LOADING = 1.5  # times the n D / U of the ship that she is like
 C_B, L_B = (0.65, 0.81), (5.5, 7.1)  # of KCS and KVLCC2, which the regressions are judged by
@@ -29,13 +30,27 @@ def doubts(ship: Ship, like: Ship) -> tuple[str, ...]:
 
 
 def _resistance(ship: Ship, like: Ship) -> Iterator[str]:
+    if "hull.R_0" not in ship.estimated:
+        return
+    here, there = _fullness(ship), _fullness(like)
+    if abs(here - there) > FULLNESS:
+        way = "more" if here > there else "less"
+        yield (
+            f"resistance: C_b {here:.2f}, {like.name}'s {there:.2f}; her form makes {way} of it "
+            "than this (hull.R_0)"
+        )
     here, there = ship.froude(ship.speed), like.froude(like.speed)
-    if "hull.R_0" in ship.estimated and abs(here - there) > FROUDE:
+    if abs(here - there) > FROUDE:
         way = "more" if here > there else "less"
         yield (
             f"resistance: Fn {here:.2f}, {like.name}'s {there:.2f}; waves make {way} of it than "
             "this (hull.R_0)"
         )
+
+
+def _fullness(ship: Ship) -> float:
+    h = ship.hull
+    return block_coefficient(h.L, h.B, h.d, h.volume)
 
 
 def _propeller(ship: Ship, like: Ship) -> Iterator[str]:
@@ -48,10 +63,9 @@ def _propeller(ship: Ship, like: Ship) -> Iterator[str]:
 
 
 def _hull(ship: Ship, like: Ship) -> Iterator[str]:
-    h = ship.hull
+    h, C_b, far = ship.hull, _fullness(ship), []
     if "Yoshimura" not in ship.estimated.get("hull.Y_v", ""):
         return
-    C_b, far = block_coefficient(h.L, h.B, h.d, h.volume), []
     for name, value, (low, high) in (("C_b", C_b, C_B), ("L/B", h.L / h.B, L_B)):
         if not (1.0 - NEAR) * low <= value <= (1.0 + NEAR) * high:
             far.append(f"{name} {value:.2f} (judged at {low} to {high})")

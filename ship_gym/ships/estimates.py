@@ -22,6 +22,7 @@ from ship_gym.ships.scaling import correlation_allowance, scaled, viscous_resist
 NEAR = 0.10  # of L/B, B/d and C_b: up to here the other ship's derivatives hold, else regressions
 # slopes of C_wp and C_m over C_b, of the ships of the package by least squares
 WATERPLANE, MIDSHIP = 0.54, 0.47
+FINENESS = 0.3  # |x_G| / L by 1 - C_b, at most: a full hull has its volume amidships
 GIVEN = "given"
 
 
@@ -40,9 +41,9 @@ class Made:
             parent, name=name, title=f"{name}, {p['L']:g} m, like {parent.name}",
             status=f"estimated from particulars and {parent.name}; validated by nothing",
             full_length=p["L"], speed=p["speed"], share=1.0, trials=(), propulsion=(),
-            wave_table="", surrogate=None, surrogate_name="none", implausible=(), strict=True,
-            variant=f"like {parent.name}", sources=dict.fromkeys(water, GIVEN), estimated={},
-            **water,
+            wave_table="", wave_state=(), surrogate=None, surrogate_name="none", implausible=(),
+            strict=True, variant=f"like {parent.name}", sources=dict.fromkeys(water, GIVEN),
+            estimated={}, **water,
         )  # fmt: skip
 
     def set(self, section: str, values: Mapping[str, tuple[float, str]]) -> None:
@@ -81,8 +82,13 @@ def _hull(m: Made) -> None:
     p, h = m.p, m.parent.hull
     m.set("hull", {key: (p[key], GIVEN) for key in ("L", "B", "d", "volume")})
     left = ["L", "B", "d", "volume", "S", "C_A", "R_0"]
+    most = FINENESS * max(0.0, 1.0 - p["C_b"]) * p["L"]
     if "x_G" in p:
         m.set("hull", {"x_G": (p["x_G"], GIVEN)})
+        left.append("x_G")
+    elif abs(h.x_G) > most:  # `parent` has the length of the new ship
+        why = f"as {m.parent.name}, by L, but at most {FINENESS} (1 - C_b) L"
+        m.set("hull", {"x_G": (math.copysign(most, h.x_G), why)})
         left.append("x_G")
     old, new = (
         estimators.wetted_surface(*of)

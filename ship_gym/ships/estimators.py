@@ -16,6 +16,7 @@ import math
 from collections.abc import Callable
 
 from ship_gym.config import check_known, check_number
+from ship_gym.ships.ranges import BOX
 
 ZHOU = "Zhou et al. (1983)"
 YM12 = "Yoshimura & Masumoto (2012)"
@@ -44,7 +45,7 @@ def block_coefficient(L: float, B: float, d: float, volume: float) -> float:
     """
     for name, value in (("L", L), ("B", B), ("d", d)):
         check_number(name, value, 1e-3, 1e3, "m")
-    return check_number("block coefficient volume / (L B d)", volume / (L * B * d), 0.2, 1.0)
+    return check_number("block coefficient volume / (L B d)", volume / (L * B * d), 0.2, BOX)
 
 
 def added_mass(L: float, B: float, d: float, C_b: float) -> tuple[float, float, float]:

@@ -8,11 +8,22 @@ from ship_gym.ships.estimators import (
     estimated_hull,
     wetted_surface,
 )
+from ship_gym.ships.ranges import HULL
 
 # Form factor and resistance are left, of which nothing here has a regression, and C_A, which is
 # that of the full-scale ship
 FILLED = (*ESTIMATED, "S", "k_zz", "C_D")
 _C_D = 0.9665
+
+
+def _of_a_ship(key: str, value: float, why: str) -> tuple[float, str, str]:
+    """An estimate, its unit and why; where no ship has it, the nearest published number."""
+    allowed = HULL[key]
+    if allowed.low <= value <= allowed.high or allowed.published is None:
+        return value, "-", why
+    low, high = allowed.published
+    nearest = min(max(value, low), high)
+    return nearest, "-", f"nearest of the ships of the package; {why} has {value:.3g}, of no ship"
 
 
 def filled_hull(
@@ -30,12 +41,16 @@ def filled_hull(
     dict
         Field of ``particulars.Hull`` to its value, its unit and why it is an estimate.
 
+    A regression that leaves the range of ships is the nearest number of the ships of the package:
+    X_vv of short and broad hulls, as of a tug, would drive her when she drifts.
+
     Raises
     ------
     ConfigError
         As ``estimators.estimated_hull``.
     """
-    found = {key: (x, "-", why) for key, (x, why) in estimated_hull(L, B, d, volume, x_G).items()}
+    regressions = estimated_hull(L, B, d, volume, x_G)
+    found = {key: _of_a_ship(key, x, why) for key, (x, why) in regressions.items()}
     S = wetted_surface(L, B, d, block_coefficient(L, B, d, volume))
     return found | {
         "S": (S, "m2", "Denny-Mumford, L (1.7 d + C_b B), bare hull"),

@@ -28,7 +28,7 @@ from ship_gym.ships.particulars import (
     WindAreas,
 )
 from ship_gym.ships.plausible import findings_of
-from ship_gym.ships.ranges import RANGES
+from ship_gym.ships.ranges import BOX, RANGES
 
 # particular -> range of it, and its unit; L, B, d, speed and C_b (or volume) are needed
 PARTICULARS: dict[str, tuple[float, float, str]] = {
@@ -53,10 +53,10 @@ WATER = {"rho": "kg/m3", "nu": "m2/s"}  # also fixed by name; above zero, or not
 _WITH_UNIT = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([A-Za-z][\w/ ]*)?")
 _WHOLE = ("z", "propellers")
 _NEEDED = ("L", "B", "d", "speed")
-_GEOMETRY = (  # have an option of their own
-    *("hull.L", "hull.B", "hull.d", "hull.volume", "hull.x_G"),
-    *("propeller.D", "rudder.A_R", "engine.n_max"),
-)
+_GEOMETRY = {  # number -> its own option
+    **{f"hull.{key}": key for key in ("L", "B", "d", "volume", "x_G")},
+    **{"propeller.D": "D_P", "rudder.A_R": "A_R", "engine.n_max": "n_max"},
+}
 
 
 def check_particulars(
@@ -91,7 +91,7 @@ def check_particulars(
     box = p["L"] * p["B"] * p["d"]
     p.setdefault("volume", p.get("C_b", 0.0) * box)
     with findings.kept():
-        p["C_b"] = check_number("volume / (L B d)", p["volume"] / box, 0.25, 1.0)
+        p["C_b"] = check_number("volume / (L B d)", p["volume"] / box, 0.25, BOX)
     findings.tell()
     return p
 
@@ -182,6 +182,8 @@ def _check_fixed(fixed: Mapping[str, float]) -> None:
     known = [*WATER, *(key for key in known if key not in _GEOMETRY)]
     for key, value in fixed.items():
         with findings.kept():
+            if key in _GEOMETRY:
+                raise ConfigError(f"--set {key}: is the option --{_GEOMETRY[key]}")
             low, high = (1e-9, 1e9) if key in WATER else (-math.inf, math.inf)
             name = check_known("number of a ship", key, known)
             check_number(f"--set {name}", value, low, high, unit_of(key))

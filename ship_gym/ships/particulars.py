@@ -258,6 +258,9 @@ class Ship:
         Type of ship for Blendermann's coefficients, ``sea.wind_coefficients.ship_types``.
     wave_table : str
         Path of its wave table, of any scale; empty: the ship cannot sail in waves.
+    wave_state : tuple of int
+        Time and size of that file when the ship was loaded: a table that is computed anew is read
+        by the next ship that is loaded, and a ship that sails keeps hers.
     form : HullForm or None
         Hull form and mass distribution, for meshes and loads in waves; None: not in the file.
     propulsion : tuple of PropulsionPoint
@@ -293,6 +296,7 @@ class Ship:
     wind: WindAreas | None = None
     wind_type: str = ""
     wave_table: str = ""
+    wave_state: tuple[int, ...] = ()
     propulsion: tuple[PropulsionPoint, ...] = ()
     share: float = 1.0
     sources: dict[str, str] = dataclasses.field(default_factory=dict, hash=False)

@@ -15,6 +15,7 @@ from typing import NamedTuple
 INF = math.inf
 ANY = (-INF, INF)
 TINY = 5e-324  # the least number above zero
+BOX = 1.00001  # C_B of a box, whose volume is printed with six digits
 POSITIVE = (TINY, INF)
 NOT_NEGATIVE = (0.0, INF)
 
@@ -62,7 +63,7 @@ HULL = {
     "L": Range(0.5, 500.0, "", (3.06, 355.0), POSITIVE),
     "B": Range(0.05, 0.5, "L", (0.122, 0.181), POSITIVE),
     "d": Range(0.08, 1.0, "B", (0.284, 0.362), POSITIVE),
-    "volume": Range(0.25, 1.0, "L B d", (0.535, 0.8), (TINY, 1.0)),  # C_B; a box has 1
+    "volume": Range(0.25, BOX, "L B d", (0.535, 0.8), (TINY, BOX)),  # C_B
     "x_G": Range(-0.1, 0.1, "L", (-0.0164, 0.0357)),
     "k_zz": Range(0.15, 0.4, "L", (0.24, 0.251), POSITIVE),
     "S": Range(0.7, 1.6, "L (1.7 d + C_b B)", (1.0, 1.06), POSITIVE),  # Denny-Mumford

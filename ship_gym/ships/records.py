@@ -90,7 +90,7 @@ def fleet(ships: list[Ship]) -> Fleet:
         _fill(made[kind], ship, kind)
     records = made[numbers]
     open_water = _stacked([ship.open_water.values for ship in kinds], "open-water")
-    present = [_by_unit(anchored(s, s.surrogate)) for s in kinds if s.surrogate is not None]
+    present = [_by_unit(anchored(ship)) for ship in kinds if ship.surrogate is not None]
     blank = np.zeros_like(present[0]) if present else np.zeros((2, 2, 2, len(CHANNELS)))
     rest = iter(present)
     tables = [blank if ship.surrogate is None else next(rest) for ship in kinds]
@@ -119,8 +119,8 @@ def numbered(things: Sequence[T]) -> tuple[list[T], list[int]]:
     return list(places), numbers
 
 
-def anchored(ship: Ship, table: Table) -> Table:
-    """Surrogate `table` of a ship, its thrust and torque shifted to the known point straight ahead.
+def anchored(ship: Ship) -> Table:
+    """Surrogate of a ship, its thrust and torque shifted to the known point straight ahead.
 
     At zero drift they become those of the open-water curve in the ship's wake; the shift is the
     same at every drift angle. K_T is nearly a line in J (1 - w), so that is a shift of the wake:
@@ -129,6 +129,8 @@ def anchored(ship: Ship, table: Table) -> Table:
     trained 45 deg a deviation does not die out.) Done here, at the ship's scale, because the wake
     depends on it. The table as it stands if its card does not say ``anchored``.
     """
+    table = ship.surrogate
+    assert table is not None
     if not table.card.get("anchored"):
         return table
     axis = ship.open_water.axes[0]

@@ -83,7 +83,7 @@ def complete_ship(data: Mapping[str, Any], path: Path, label: str = "") -> Ship:
         open_water=table,
         variant=(parts.get("hull") or {}).get("variant", "published"),
         wind_type=(parts.get("wind") or {}).get("type", ""),
-        wave_table=_wave_table(path),
+        **_wave_table(path),
         trials=_trials(data, reader),
         propulsion=_propulsion(data, reader),
         sources=reader.sources,
@@ -203,13 +203,14 @@ def _check_surrogate(entry: Mapping[str, Any], reader: Reader) -> None:
         reader.text("surrogate.default", entry["default"])
 
 
-def _wave_table(path: Path) -> str:
-    """Path of the wave table beside a ship file, of this ship or of all; empty without one."""
+def _wave_table(path: Path) -> dict[str, Any]:
+    """The wave table beside a ship file, of this ship or of all, if there is one."""
     for name in (f"waves_{name_of(path)}.npz", "waves.npz"):
         found = path.resolve().with_name(name)
         if found.is_file():
-            return str(found)
-    return ""
+            state = found.stat()
+            return {"wave_table": str(found), "wave_state": (state.st_mtime_ns, state.st_size)}
+    return {}
 
 
 def _propulsion(data: Mapping[str, Any], reader: Reader) -> tuple[PropulsionPoint, ...]:

@@ -5,15 +5,17 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+from collections.abc import Sequence
 from typing import Any
 
+from ship_gym.config import cut
 from ship_gym.ships.particulars import Ship
 from ship_gym.ships.ranges import RANGES
 
 _TOP = {"full_length": "m", "rho": "kg/m3", "nu": "m2/s", "speed": "m/s"}
 
 
-def ship_text(ship: Ship, source: str) -> str:
+def ship_text(ship: Ship, source: str, doubts: Sequence[str] = ()) -> str:
     """The ship file of a ship without surrogate, trials and points of self-propulsion.
 
     Parameters
@@ -22,8 +24,11 @@ def ship_text(ship: Ship, source: str) -> str:
         Numbers are written with six digits, angles in degrees.
     source : str
         Of numbers that name none.
+    doubts : sequence of str
+        As ``doubts.doubts`` has them: comments at the top of the file.
     """
-    lines = [f"{key} = {_quoted(getattr(ship, key))}" for key in ("title", "status")]
+    lines = [cut(f"# doubtful: {line}") for line in doubts]
+    lines += [f"{key} = {_quoted(getattr(ship, key))}" for key in ("title", "status")]
     lines.append(f"source = {_quoted(source)}")
     if not ship.strict:
         lines.append("strict = false")

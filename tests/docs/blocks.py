@@ -6,10 +6,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [
-    *(
-        ROOT / name
-        for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "ship_gym/README.md")
-    ),
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md")),
+    *ROOT.glob("ship_gym/README.md"),  # not beside an installed package
     *sorted((ROOT / "docs").rglob("*.md")),
 ]
 # a fence, with the mark that may stand on the line before it
@@ -18,7 +16,7 @@ FENCE = re.compile(
     flags=re.MULTILINE | re.DOTALL,
 )
 SHELL = ("bash", "sh")
-FILE = re.compile(r"# ([\w/]+\.py)\n")
+FILE = re.compile(r"# ([\w/]+\.(?:py|toml))(?::.*)?\n")
 
 
 @dataclass(frozen=True)
@@ -33,8 +31,8 @@ class Block:
 
     @property
     def file(self) -> str | None:
-        """Name of the file that a block in Python is, by its first line."""
-        found = FILE.match(self.code) if self.language == "python" else None
+        """Name of the file that a block in Python or TOML is, by its first line."""
+        found = FILE.match(self.code) if self.language in ("python", "toml") else None
         return found and found[1]
 
     def __str__(self) -> str:
@@ -51,6 +49,11 @@ def blocks_of(page: Path) -> list[Block]:
 
 
 def commands(code: str) -> list[str]:
-    """Lines of a block of shell, without comments and with continued lines joined."""
+    """Lines of a block of shell, without comments and with continued lines joined.
+
+    Of a session, whose commands have a ``$`` before them, those alone.
+    """
     lines = code.replace("\\\n", " ").splitlines()
+    if code.startswith("$ "):
+        lines = [line[2:] for line in lines if line.startswith("$ ")]
     return [line.strip() for line in lines if line.strip() and not line.strip().startswith("#")]

@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ship_gym.physics.actuators import REVERSAL, engine_after, rudder_after
@@ -30,7 +30,6 @@ def test_engine_against_a_fine_integration():
     assert engine_after(1.0, command, 0.0, 60.0, FREE) == pytest.approx(n, abs=1e-4)
 
 
-@settings(deadline=None)  # the first example may compile the kernel
 @given(st.floats(-1.38, 2.3), st.floats(-3.0, 4.0), st.floats(0.0, 50.0), st.floats(0.0, 50.0))
 def test_two_intervals_are_one(n, command, a, b):
     """Exact in time: the step length does not matter, reversing or not."""

@@ -67,7 +67,7 @@ def test_forces_go_with_speed_squared_at_one_attitude():
     np.testing.assert_allclose(whole, 4.0 * half, rtol=1e-12)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(names, speeds, speeds, rates)
 def test_finite_everywhere_and_mirror_symmetric(name, u, v, r):
     hull = record(name)
@@ -76,7 +76,7 @@ def test_finite_everywhere_and_mirror_symmetric(name, u, v, r):
     assert hull_forces(u, -v, -r, hull, RHO) == (X, -Y, -N)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(names, speeds, rates)
 def test_a_ship_without_headway_only_loses_energy(name, v, r):
     X, Y, N = hull_forces(0.0, v, r, record(name), RHO)

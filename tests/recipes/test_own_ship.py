@@ -85,7 +85,8 @@ def test_a_wave_table_of_its_own(mine, sail):
     pytest.importorskip("joblib")
     changed(mine, ("volume = { value = 3.27", "volume = { value = 3.605"))
     script = ROOT / "scripts" / "build_wave_table.py"
-    command = [sys.executable, script, "--ship", "mine/ship.toml", "--quick", "--jobs", "1"]
+    options = ["--quick", "--panels", "200", "--jobs", "1"]
+    command = [sys.executable, script, "--ship", "mine/ship.toml", *options]
     subprocess.run(command, check=True)
     assert [path.name for path in mine.parent.glob("*.npz")] == ["waves_mine.npz"]
     assert not Path("runs").exists()

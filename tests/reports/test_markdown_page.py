@@ -46,7 +46,7 @@ def test_the_page_and_its_pictures(tmp_path):
     assert text.startswith("<!-- made by a test -->\n\n# Title\n\nbegins\n\n## First\n")
     assert "numbers:\n\n| a | b |\n| --- | --- |\n| x | 1\\|2 |" in text
     assert "![one](results/p1.png)" in text and "Left out" not in text and "empty" not in text
-    assert "<details><summary>more</summary>\n\n### h\n\n```\nls\n```\n\n</details>" in text
+    assert "<details><summary>more</summary>\n\n### h\n\n```text\nls\n```\n\n</details>" in text
 
 
 def test_pictures_need_names_of_their_own(tmp_path):

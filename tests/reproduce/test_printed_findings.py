@@ -4,6 +4,7 @@ Where the thesis contradicts itself, the case says so and holds the size of the 
 """
 
 import dataclasses
+import functools
 import math
 from collections.abc import Callable
 
@@ -16,7 +17,7 @@ from reproduce.measured_motion import CALM
 from ship_gym.surrogates.base import mean_size
 from ship_gym.surrogates.error_budget import grid_errors, turbulence_errors
 from ship_gym.surrogates.fit import Options, fit
-from ship_gym.surrogates.samples import KCS, LEEWARD, ONRT, SINGLE, WINDWARD
+from ship_gym.surrogates.samples import DATA_SETS, KCS, LEEWARD, ONRT, SINGLE, WINDWARD
 
 SIDES = {"port": LEEWARD, "starboard": WINDWARD}  # of the thesis' turn to port
 
@@ -36,9 +37,14 @@ def regression_error(grid, quantity, data=KCS, side=SINGLE):
     return mean_size(np.array(fit(data, None, grid, "SA").errors(side)[quantity]))
 
 
+@functools.cache
+def process(noise, name):
+    """All quantities of both sides: one fit for all findings."""
+    return fit(DATA_SETS[name], Options("gp", noise=noise))
+
+
 def process_error(noise, quantity, data=KCS, side=SINGLE):
-    options = Options("gp", noise=noise)
-    return mean_size(np.array(fit(data, options).errors(side)[quantity]))
+    return mean_size(np.array(process(noise, data.name).errors(side)[quantity]))
 
 
 def of_grid(grid, quantity, data=KCS, side=SINGLE, last=12):

@@ -59,6 +59,8 @@ def test_a_ship_like_no_other_is_written_if_she_is_meant(folder, capsys):
     said = capsys.readouterr().out
     assert "doubtful: hull derivatives: regressions at C_b 1.00" in said
     assert not load_ship("broad/ship.toml").strict
+    first = (folder / "broad" / "ship.toml").read_text().splitlines()[0]
+    assert first.startswith("# doubtful: resistance: C_b 1.00, kvlcc2's 0.80; her form makes more")
 
 
 def test_units_of_a_brochure(folder, capsys):

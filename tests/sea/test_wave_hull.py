@@ -1,6 +1,7 @@
 """A wave table knows its hull: one of another hull in a ship's folder is refused, in one line."""
 
 import dataclasses
+import shutil
 
 import pytest
 
@@ -73,6 +74,28 @@ def test_the_table_of_another_ship_in_the_folder_is_refused_in_one_line(kvlcc2):
         wave_table_of(slim)
     assert len(str(error.value).splitlines()) == 1
     assert wave_table_of(kvlcc2).card["ship"] == "kvlcc2_model"
+
+
+def test_a_table_that_is_computed_anew_is_read_by_who_loads_the_ship_again(tmp_path):
+    """In one process, as in a notebook: first another hull's table, then her own, then none."""
+    model = DATA / "kvlcc2_model"
+    own, table = tmp_path / "mine.toml", tmp_path / "waves_mine.npz"
+    shutil.copy(model / "ship.toml", own)
+    shutil.copy(DATA / "dtc_model" / "waves.npz", table)
+    with pytest.raises(ConfigError, match="made for dtc_model"):
+        wave_table_of(load_ship(own))
+    shutil.copy(model / "waves.npz", table)
+    ship = load_ship(own)
+    first = wave_table_of(ship)
+    assert first.card["ship"] == "kvlcc2_model" and wave_table_of(load_ship(own)) is first
+    shutil.copy(DATA / "dtc_model" / "waves.npz", table)
+    assert wave_table_of(ship) is first  # who sails keeps hers
+    with pytest.raises(ConfigError, match="made for dtc_model"):
+        wave_table_of(load_ship(own))
+    table.unlink()
+    assert wave_table_of(ship) is first
+    with pytest.raises(ConfigError, match="has no wave table"):
+        wave_table_of(load_ship(own))
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from ship_gym.ships.plausible import checked
 SHIPS = {
     "tug": ("kvlcc2", 28.0, 10.5, 4.2, 0.55, 6.0),
     "pusher": ("kvlcc2", 110.0, 11.4, 2.8, 0.9, 4.0),
+    "push barge": ("kvlcc2", 110.0, 11.4, 2.8, 0.94, 4.0),
     "laker": ("kvlcc2", 300.0, 32.0, 8.5, 0.9, 6.5),
     "cutter": ("kcs", 24.0, 6.4, 2.6, 0.5, 5.0),
     "yacht hull": ("kcs", 11.0, 3.4, 0.6, 0.4, 3.0),

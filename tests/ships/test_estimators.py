@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 import pytest
 
 from ship_gym.config import ConfigError
 from ship_gym.ships import estimators as e
 from ship_gym.ships.files import DATA
-from ship_gym.ships.filled import FILLED
+from ship_gym.ships.filled import FILLED, filled_hull
 from ship_gym.ships.loader import load_ship
 from ship_gym.ships.particulars import Hull
+from ship_gym.ships.ranges import HULL
 
 KCS = {"L": 230.0, "B": 32.2, "d": 10.8, "C_b": 0.651}  # SIMMAN 2020
 KVLCC2 = {"L": 320.0, "B": 58.0, "d": 20.8, "C_b": 312600.0 / (320.0 * 58.0 * 20.8)}
@@ -158,3 +160,21 @@ def test_a_file_that_asks_for_estimates_needs_only_what_they_do_not_fill(tmp_pat
     file.write_text(file.read_text("utf-8").replace("C_A =", "# C_A ="), "utf-8")
     with pytest.raises(ConfigError, match=r"missing key hull.'C_A'; .* S, k_zz and C_D only"):
         load_ship(file)
+
+
+def test_what_is_filled_up_is_what_ships_have_whatever_her_proportions():
+    """A tug's X_vv by the regression would drive her when she drifts: the loader refuses that."""
+    for L_B, B_d, C_b in itertools.product(
+        (2.7, 3.7, 5.0, 7.0, 10.0), (1.8, 3.0, 8.0), (0.4, 0.7, 1.0)
+    ):
+        B = 100.0 / L_B
+        found = filled_hull(100.0, B, B / B_d, C_b * 100.0 * B * B / B_d, 0.0)
+        for key, (value, _, _) in found.items():
+            allowed = HULL[key]
+            assert allowed.by or allowed.low <= value <= allowed.high, (key, L_B, B_d, C_b)
+    L, B, d, C_b = 28.0, 10.5, 4.2, 0.65
+    value, unit, why = filled_hull(L, B, d, C_b * L * B * d, 0.0)["X_vv"]
+    assert (value, unit) == (HULL["X_vv"].published[1], "-")
+    assert f"has {1.15 * C_b * B / L - 0.18:.3g}, of no ship" in why
+    value, _, why = filled_hull(230.0, 32.2, 10.8, 52030.0, 0.0)["X_vv"]  # KCS: as it is
+    assert value == pytest.approx(1.15 * 52030.0 / 230.0**2 / 10.8 - 0.18) and why == e.YM12

@@ -80,7 +80,7 @@ def test_a_surrogate_of_large_drift_only_is_not_shifted_by_a_point_it_does_not_k
     away = dataclasses.replace(drift, start=math.radians(10.0))
     table = dataclasses.replace(whole.surrogate, axes=(epsilon, away))
     ship = attach_surrogate(bare, table, "own")
-    assert not ship.surrogate.card["anchored"] and anchored(ship, ship.surrogate) is ship.surrogate
+    assert not ship.surrogate.card["anchored"] and anchored(ship) is ship.surrogate
     assert ship.rudder == bare.rudder  # her captive set is measured all the same
 
 

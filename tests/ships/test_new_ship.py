@@ -133,7 +133,13 @@ def test_everything_that_is_wrong_is_told_at_once():
     with pytest.raises(ConfigError) as error:
         new_ship("kvlcc2", "x", {"L": 0.1, "B": "x", "C_b": 1.2}, {"hull.L": 3.0, "form.KG": "a"})
     lines = str(error.value).splitlines()
-    told = ("'hull.L'", "--set form.KG = 'a'", "--L = 0.1", "--B = 'x'", "--C_b = 1.2")
+    told = (
+        "--set hull.L: is the option --L",
+        "--set form.KG = 'a'",
+        "--L = 0.1",
+        "--B = 'x'",
+        "--C_b = 1.2",
+    )
     assert all(any(words in line for line in lines) for words in told)
     assert lines[-1] == "missing --d, --speed" and len(lines) == 6, lines
     with pytest.raises(ConfigError, match="missing --L, --B, --d, --speed, --C_b"):
@@ -228,6 +234,7 @@ def test_what_is_far_from_what_estimates_know_is_doubted():
     assert doubts(new_ship(old, "near", {**TANKER, "L": 255.0, "speed": 7.4}), old) == ()
     tug = {"L": 28.0, "B": 10.5, "d": 4.2, "C_b": 0.55, "speed": 6.0}
     found = " ".join(doubts(new_ship(old, "tug", tug), old))
+    assert "C_b 0.55, kvlcc2's 0.80; her form makes less" in found
     assert "Fn 0.36, kvlcc2's 0.14" in found and "C_b 0.55" in found and "L/B 2.67" in found
     known = doubts(new_ship(old, "tug", tug, {"hull.R_0": 0.03, "hull.Y_v": -0.4}), old)
     assert not any(words in " ".join(known) for words in ("resistance", "derivatives"))
@@ -242,3 +249,24 @@ def test_a_ship_that_is_not_strict_says_so_in_her_file(tmp_path):
     path = tmp_path / "b.toml"
     path.write_text(ship_text(made, "given"), encoding="utf-8")
     assert load_ship(path).strict is False
+
+
+@pytest.mark.parametrize("size", [(80.0, 16.0, 3.0), (61.7, 12.3, 2.7), (57.3, 12.3, 2.3)])
+def test_a_box_is_not_fuller_than_a_box_by_rounding(size, tmp_path):
+    """C_b of the last two is 1 + 1e-6 in their files, whose numbers have six digits."""
+    L, B, d = size
+    made = _without_form(new_ship("kvlcc2", "b", {**BARGE, "L": L, "B": B, "d": d}))
+    path = tmp_path / "b.toml"
+    path.write_text(ship_text(made, "given"), encoding="utf-8")
+    assert load_ship(path).hull.volume == pytest.approx(L * B * d, rel=1e-5)
+
+
+def test_a_full_hull_has_its_centre_near_midship():
+    """KVLCC2's 0.035 L forward is none of a hull with C_b 0.95; what is given stays."""
+    pusher = {"L": 110.0, "B": 11.4, "d": 2.8, "C_b": 0.95, "speed": 4.0}
+    made = new_ship("kvlcc2", "pusher", pusher)
+    assert made.hull.x_G == pytest.approx(0.3 * 0.05 * 110.0) and made.form.x_B == made.hull.x_G
+    assert "at most 0.3 (1 - C_b) L" in made.estimated["hull.x_G"]
+    assert new_ship("kvlcc2", "pusher", {**pusher, "x_G": 2.5}).hull.x_G == 2.5
+    assert new_ship("kvlcc2", "box", {**pusher, "C_b": 1.0}).hull.x_G == 0.0
+    assert new_ship("kvlcc2", "t", TANKER).estimated["hull.x_G"] == "as kvlcc2, by L"

@@ -26,7 +26,7 @@ def test_ittc57_textbook_value():
 
 
 @pytest.mark.slow
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=4)
 @given(st.floats(1.0, 400.0))
 def test_froude_scaling_keeps_the_turning_circle(length):
     model = load_ship("kcs_model")

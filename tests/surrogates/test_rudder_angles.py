@@ -1,5 +1,6 @@
 """Several rudder angles: planes and scattered sets give back a law that is known everywhere."""
 
+import functools
 import math
 
 import numpy as np
@@ -74,14 +75,26 @@ def read(tmp_path_factory, ship):
     return made
 
 
+@pytest.fixture(scope="module")
+def fitted(read, ship):
+    """Fits of rows and their table, once for all tests."""
+
+    @functools.cache
+    def made(rows, options):
+        fits = fit_rudder_angles(read(rows), options)
+        return fits, table_of_angles(fits, ship)
+
+    return lambda rows, options: made(tuple(rows), options)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("rows", "options", "off"),
     [(planes(), Options(), 0.005), (planes(), GP, 0.005), (scattered(), GP, 0.002)],
 )
-def test_the_table_holds_the_law_between_the_angles_too(read, ship, rows, options, off, tmp_path):
+def test_the_table_holds_the_law_between_the_angles_too(fitted, rows, options, off, tmp_path):
     """Off by what a straight line misses between 20 and 35 deg, and with 5 deg steps."""
-    table = table_of_angles(fit_rudder_angles(read(rows), options), ship)
+    table = fitted(rows, options)[1]
     for delta in np.radians([12.0, 20.0, 27.5, 33.0]):
         found = table(delta, EPSILON, BETA)
         starred = found[table.channel("C_T")] * (J**2 + (0.7 * math.pi) ** 2) * math.pi / 8.0
@@ -94,9 +107,9 @@ def test_the_table_holds_the_law_between_the_angles_too(read, ship, rows, option
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("rows", "options"), [(planes(), Options()), (scattered(), GP)])
-def test_pictures_are_at_the_largest_angle(read, ship, rows, options, tmp_path):
-    fits = fit_rudder_angles(read(rows), options)
-    found, delta = attach_surrogate(ship, table_of_angles(fits, ship), "own"), fits[-1].data.delta
+def test_pictures_are_at_the_largest_angle(fitted, ship, rows, options, tmp_path):
+    fits, table = fitted(rows, options)
+    found, delta = attach_surrogate(ship, table, "own"), fits[-1].data.delta
     normal = rudder_frame(*(response(found, J, BETA)[k] for k in ("C_Fx", "C_Fy")), delta)[0]
     assert normal == pytest.approx(C_N(BETA, delta), abs=0.01)
     plot_surrogate(found, tmp_path / "own.png", fits[-1])

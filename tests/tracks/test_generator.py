@@ -28,7 +28,7 @@ def test_tracks_begin_at_the_origin_to_the_north():
     assert ((points[:, 1, 0] >= 3.0) & (points[:, 1, 0] < 15.0)).all()
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(
     st.floats(0.1, 6.0),
     st.floats(2.0, 8.0),

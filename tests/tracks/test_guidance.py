@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ship_gym.physics.angles import wrapped
@@ -49,7 +49,6 @@ def test_a_leg_has_the_bearing_and_length_of_its_track():
     assert bearing == track.leg_bearings[0] and length == track.leg_lengths[0]
 
 
-@settings(deadline=None)
 @given(METRES, METRES, METRES, METRES, METRES, METRES)
 def test_mirrored(x, y, x_a, y_a, x_b, y_b):
     """East and west exchanged: cross-track error and bearings change sign, the rest stays."""
@@ -66,7 +65,6 @@ def test_mirrored(x, y, x_a, y_a, x_b, y_b):
     assert (other.to_go, other.along_next) == (here.to_go, here.along_next)
 
 
-@settings(deadline=None)
 @given(METRES, METRES, METRES, METRES, METRES, METRES, st.floats(-math.pi, math.pi))
 def test_turned_and_moved(x, y, x_b, y_b, north, east, turn):
     """Turning and moving ship and leg together turns the bearing and changes nothing else."""
@@ -86,7 +84,6 @@ def test_turned_and_moved(x, y, x_b, y_b, north, east, turn):
     assert abs(wrapped(other[2] - bearing - turn)) < 1e-10
 
 
-@settings(deadline=None)
 @given(METRES, METRES, METRES, METRES, st.floats(1.0, 2000.0))
 def test_look_ahead_points_at_the_point_ahead_on_the_leg(x, y, x_b, y_b, distance):
     if math.hypot(x_b, y_b) < 1.0:
@@ -158,7 +155,6 @@ def test_only_three_legs_are_looked_at():
 METRE = st.floats(-3000.0, 3000.0)
 
 
-@settings(deadline=None)
 @given(METRE, METRE, st.integers(0, 2))
 def test_the_distance_is_the_least_to_any_point_of_the_legs(north, east, leg):
     """Of 2001 points on each of the three legs, prolonged at both ends of the route."""

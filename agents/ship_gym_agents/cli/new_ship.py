@@ -85,7 +85,7 @@ def command(as_json, name, like, fixed, loose, force, **given) -> None:
     ship = new_ship(like, path.parent.resolve().name, given, _pairs(fixed))
     ship, no_form = _sailing(dataclasses.replace(ship, strict=not loose))
     doubtful = doubts(ship, load_ship(like, surrogate="none"))
-    text = ship_text(ship, "given to ship-gym new-ship")
+    text = ship_text(ship, "given to ship-gym new-ship", doubtful)
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_path(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
@@ -150,6 +150,8 @@ def _build(path: Path, mesh: bool) -> str:
 
 
 def _text(ship: Any, path: Path, no_form: str, build: str, doubtful: Sequence[str]) -> str:
+    from ship_gym_agents.cli.output import next_command
+
     h = ship.hull
     lines = [
         f"wrote {path}: L {h.L:.5g} m, B {h.B:.5g} m, d {h.d:.5g} m, {h.volume:.5g} m3",
@@ -163,6 +165,6 @@ def _text(ship: Any, path: Path, no_form: str, build: str, doubtful: Sequence[st
     lines += [
         f"next: {build}",
         f"then: gym.make('ShipGym/HeadingKeeping-v0', ship={str(path)!r})",
-        f"and:  ship-gym tune --ship {path}",
+        f"and:  {next_command('tune', ship=path)}",
     ]
     return "\n".join(lines)

@@ -17,8 +17,8 @@ SEEDS = 2**32 - 1  # the largest seed that every random generator here takes
 class Several(click.Option):
     """An option that takes all values that follow it, and may be given again."""
 
-    def __init__(self, *args, **kwargs):
-        super().__init__(*args, multiple=True, **kwargs)
+    def __init__(self, *args: Any, **kwargs: Any):
+        super().__init__(*args, **{**kwargs, "multiple": True})
 
 
 class MayStandAlone(click.Option):

@@ -174,7 +174,12 @@ class ShipRecurrentPolicy(RecurrentActorCriticPolicy):
 class _GaussianMirror:
     """What SAC's and TQC's actors of ours add to theirs."""
 
-    mu: Any  # of theirs
+    # of theirs
+    mu: Any
+    latent_pi: Any
+    log_std: Any
+    features_extractor: Any
+    extract_features: Callable[..., Any]
 
     def __init__(self, *args: Any, mirror: Mirror | None = None, **kwargs: Any):
         super().__init__(*args, **kwargs)

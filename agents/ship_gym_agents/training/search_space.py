@@ -50,7 +50,7 @@ class Range:
             if ends != (None, None) or self.log:
                 raise ConfigError("choices beside low, high or log: allowed is one or the other")
             return
-        if None in ends or not self.low < self.high:
+        if self.low is None or self.high is None or not self.low < self.high:
             raise ConfigError(f"low = {self.low}, high = {self.high}: needed are low < high")
         if self.log and self.low <= 0.0:
             raise ConfigError(f"low = {self.low} with log = true: allowed is low above 0")

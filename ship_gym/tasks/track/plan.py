@@ -41,9 +41,8 @@ class Tracks:
         self._corridor = scenario.limits.corridor * self._L
         with self._named():
             self._limits = _own_limits(self.track, self._L)
-        random = self._range.kind == "random"
-        self._n_random = n_draws(self._range.legs) if random else 0
-        rows = self._range.legs + 1 if random else len(self._points)
+        self._n_random = n_draws(self._range.legs) if self._points is None else 0
+        rows = self._range.legs + 1 if self._points is None else len(self._points)
         self.shape = (rows, 2 if self._limits is None else 4)
         self.n_draws = 1 + self._n_random
 
@@ -109,7 +108,7 @@ class Tracks:
             plans[which, -1, PORT:] = plans[which, -2, PORT:]  # no leg begins at the last
 
     def _made(self, uniform: np.ndarray) -> np.ndarray:
-        if self._range.kind != "random":
+        if self._points is not None:
             return np.broadcast_to(self._points, (len(uniform), *self._points.shape))
         r = self._range
         return random_points(

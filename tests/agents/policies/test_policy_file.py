@@ -72,7 +72,7 @@ def test_a_card_without_names_is_not_written(tmp_path):
 # --- damage --------------------------------------------------------------------------------------
 
 
-@settings(max_examples=150, suppress_health_check=FIXTURES, deadline=None)
+@settings(max_examples=150, suppress_health_check=FIXTURES)
 @given(st.floats(0.0, 1.0, exclude_max=True))
 def test_half_a_file_is_refused(file, share):
     whole = file.read_bytes()
@@ -82,7 +82,7 @@ def test_half_a_file_is_refused(file, share):
         load_policy(part)
 
 
-@settings(max_examples=300, suppress_health_check=FIXTURES, deadline=None)
+@settings(max_examples=300, suppress_health_check=FIXTURES)
 @given(st.floats(0.0, 1.0, exclude_max=True), st.integers(1, 255))
 def test_a_byte_that_changed_is_refused_or_changes_nothing(file, place, change):
     """In the padding of the header, a byte may be another space character."""
