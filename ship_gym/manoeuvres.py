@@ -8,6 +8,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -323,7 +324,8 @@ class Run:
         """Sail with rudder command `delta` [rad] until `reached(sim, time)` or `longest` [s]."""
         sim, end = self.sim, self.sim.time[0] + longest
         now, then = (sim.state[0], sim.waves[0]), (sim.commands[0], sim.forces[0], sim.flow[0])
-        sail = functools.partial(sim.step, np.array([[delta, self.n]]), self.dt)
+        command = np.array([[delta, self.n]])
+        sail: Callable[[], Any] = functools.partial(sim.step, command, self.dt)
         while sim.time[0] < end and not reached(sim, sim.time[0]):
             time, state, waves = sim.time[0], *(part.copy() for part in now)
             sail()
