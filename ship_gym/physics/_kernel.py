@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numpy as np
 from numba.core.target_extension import current_target
 
 from ship_gym.physics._cache import cache_folder
@@ -208,4 +209,21 @@ def direct(function: Callable, arguments: Sequence[Any]) -> Callable:
     """
     if not hasattr(function, "compile"):
         return function
-    return function.compile(tuple(numba.typeof(argument) for argument in arguments))
+    return function.compile(tuple(_type_of(argument) for argument in arguments))
+
+
+_record_types: dict[tuple[Any, ...], Any] = {}  # of arrays of records, by what numba looks at
+
+
+def _type_of(value: Any) -> Any:
+    """As `numba.typeof`, which takes a record's fields apart each time: 1.9 ms a fleet, not 0.3."""
+    if isinstance(value, tuple):
+        return numba.types.BaseTuple.from_types([_type_of(part) for part in value], type(value))
+    if not (isinstance(value, np.ndarray) and value.dtype.names):
+        return numba.typeof(value)
+    dtype, flags = value.dtype, value.flags
+    layout = flags.c_contiguous, flags.f_contiguous, flags.writeable
+    key = dtype, dtype.isalignedstruct, value.ndim, *layout
+    if key not in _record_types:
+        _record_types[key] = numba.typeof(value)
+    return _record_types[key]
