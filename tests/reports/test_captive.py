@@ -73,7 +73,8 @@ def test_without_a_file_there_is_nothing_beside():
         ("speed [m/s],n,Y [-]", "1.0,9.9,0.1", "own.csv:5: column 'n' has no unit"),
         ("speed [m/s],n [rev/s]", "1.0,9.9", "no column of a force"),
         ("speed [m/s],n [rev/s],Y_sin [-]", "1.0,9.9,0.1", "unknown column 'Y_sin'"),
-        ("speed [m/s],n [rev/s],beta [-],Y [-]", "1.0,9.9,10,0.1", "own.csv:6: captive beta"),
+        ("speed [m/s],n [rev/s],beta [-],Y [-]", "1.0,9.9,10,0.1", r"own.csv:5: .*'beta' has unit"),
+        ("speed [m/s],n [rev/s],beta [deg],Y [-]", "1.0,9.9,200,0.1", "own.csv:6: captive beta"),
         ("speed [m/s],n [rev/s],Y [-]", "0.0,9.9,0.1", "own.csv:6: captive speed = 0"),
     ],
 )
