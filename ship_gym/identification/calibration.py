@@ -18,7 +18,14 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ship_gym.config import ConfigError
-from ship_gym.identification.estimate import Estimate, check_told, of_some, scatter, spread
+from ship_gym.identification.estimate import (
+    Estimate,
+    check_told,
+    of_some,
+    scatter,
+    spread,
+    weights_of,
+)
 from ship_gym.identification.numbers import full_names, ranges_of, values_of, with_values
 from ship_gym.identification.records import Record, read_record
 from ship_gym.identification.sailed_records import (
@@ -138,7 +145,7 @@ def _solve(
     sigma: dict[str, float],
 ) -> np.ndarray:
     """Numbers within their limits, and starts, that suit best with given weights of the groups."""
-    weight = np.array([1.0 / sigma[g] for g in groups.tolist()])
+    weight = weights_of(groups, sigma)
     width = limits[:, 1] - limits[:, 0]
     free = np.full(len(x) - len(names), np.inf)
     low, high = np.append(limits[:, 0], -free), np.append(limits[:, 1], free)

@@ -92,9 +92,14 @@ def scatter(
     return sigma, freedom
 
 
+def weights_of(groups: np.ndarray, sigma: Mapping[str, float]) -> np.ndarray:
+    """1 / sigma of the group of each row, shape (m,)."""
+    return np.array([1.0 / sigma[group] for group in groups.tolist()])
+
+
 def leverages(jacobian: np.ndarray, groups: np.ndarray, sigma: dict[str, float]) -> np.ndarray:
     """How far each row draws the fit to itself, 0 to 1, shape (m,); their sum is the numbers'."""
-    weight = np.array([1.0 / sigma[g] for g in groups.tolist()])
+    weight = weights_of(groups, sigma)
     Q, _ = np.linalg.qr(jacobian * weight[:, None])
     return (Q * Q).sum(axis=1)
 
@@ -126,7 +131,7 @@ def solve(
     check_told(names, jacobian)
     sigma = dict.fromkeys(np.unique(groups).tolist(), 1.0)
     for _ in range(_ROUNDS):
-        weight = np.array([1.0 / sigma[g] for g in groups.tolist()])
+        weight = weights_of(groups, sigma)
         step = np.linalg.lstsq(jacobian * weight[:, None], gap * weight, rcond=None)[0]
         residuals = gap - jacobian @ step
         sigma, freedom = scatter(jacobian, residuals, groups)
@@ -140,7 +145,7 @@ def spread(
     jacobian: np.ndarray, groups: np.ndarray, sigma: dict[str, float]
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Standard errors, correlation and condition from the weighted rows."""
-    weight = np.array([1.0 / sigma[g] for g in groups.tolist()])
+    weight = weights_of(groups, sigma)
     J = jacobian * weight[:, None]
     size = np.linalg.norm(J, axis=0)
     values = np.linalg.svd(J / size, compute_uv=False)

@@ -58,7 +58,7 @@ def implausible(fit: CaptiveFit) -> list[str]:
 
 def advice(fit: CaptiveFit) -> str:
     """What to look at where a fitted number is one that no ship has: one line."""
-    against = _against(fit)
+    against = _against(_judged(fit))
     signs = f"; of the other sign than the ship's own: {against}" if against else ""
     return (
         "look at signs, units, divisor and length (--help), fit fewer --numbers, or give other "
@@ -103,7 +103,7 @@ def _judgement(fit: CaptiveFit) -> list[str]:
             "Not fitted to, since no number changes it, and beyond the scatter (rms of measured "
             f"minus computed, largest measured, x 1000): {_some(told, aside)}."
         )
-    if against := _against(fit):
+    if against := _against(judged):
         lines.append(f"Measured against the sign of the ship's own: {against}.")
     return lines
 
@@ -113,11 +113,9 @@ def _aside(x: dict[str, Any]) -> str:
     return f"{x['coefficient']} of {x['file']}, {sizes}"
 
 
-def _against(fit: CaptiveFit) -> str:
+def _against(judged: dict[str, Any]) -> str:
     """What was measured against the sign of the ship that the fit began with, few of them."""
-    found = [
-        f"{x['coefficient']} of {x['file']}" for x in _judged(fit)["not_fitted"] if x["opposite"]
-    ]
+    found = [f"{x['coefficient']} of {x['file']}" for x in judged["not_fitted"] if x["opposite"]]
     return _some(found[:2], found)
 
 

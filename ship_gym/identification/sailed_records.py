@@ -16,6 +16,7 @@ from scipy.optimize import least_squares
 
 from ship_gym.config import ConfigError, ImplausibleShip, told_of
 from ship_gym.conventions import DELTA, PSI, N, R, U, V, X, Y
+from ship_gym.identification.estimate import weights_of
 from ship_gym.identification.numbers import with_values
 from ship_gym.identification.record_checks import compared
 from ship_gym.identification.records import Record
@@ -112,7 +113,7 @@ def sailed(ships: Sequence[Ship], record: Record, z: np.ndarray) -> np.ndarray:
 
 def distances(ship: Ship, record: Record, sigma: dict[str, float]) -> np.ndarray:
     """Root mean square of x / L, y / L and psi, from the start that suits best, shape (3,)."""
-    weight = 1.0 / np.array([sigma[group] for group in rows_of([record], ship)])
+    weight = weights_of(rows_of([record], ship), sigma)
     ships = [free(ship)]
 
     def tracks(z: np.ndarray) -> np.ndarray:
