@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 from _fuzz_field import nmea_line
-from _fuzz_mutate import bytes_edit, pick, text_edit
+from _fuzz_mutate import bytes_edit, changed_or_bytes, pick, text_edit
 from _fuzz_values import json_text, odd, scaled
 
 _DOORS = (
@@ -86,12 +86,7 @@ _UNITS = ("", "furlong", "m2/Hz/deg", "degree", "rad", "1", "Hz", "s", "\u00e9",
 
 def netcdf_edit(rng: np.random.Generator, data: bytes) -> bytes:
     """A variable, its numbers, unit, dimension or type changed; or other bytes."""
-    if rng.random() < 0.35:
-        return bytes_edit(rng, data)
-    try:
-        return _changed(rng, data)
-    except Exception:  # broken by an earlier edit, or not to be written
-        return bytes_edit(rng, data)
+    return changed_or_bytes(rng, data, _changed)
 
 
 def _changed(rng: np.random.Generator, data: bytes) -> bytes:

@@ -63,6 +63,16 @@ def bytes_edit(rng: np.random.Generator, data: bytes) -> bytes:
 _CODES = ("utf-16", "utf-16-le", "utf-32", "cp1252", "latin-1", "cp037")
 
 
+def changed_or_bytes(rng: np.random.Generator, data: bytes, change: Callable) -> bytes:
+    """A file changed by its format; now and then, or where that cannot be, by other bytes."""
+    if rng.random() < 0.35:
+        return bytes_edit(rng, data)
+    try:
+        return change(rng, data)
+    except Exception:  # broken by an earlier edit, or not to be written
+        return bytes_edit(rng, data)
+
+
 def text_edit(rng: np.random.Generator, data: bytes) -> bytes:
     """Lines left out, repeated, moved; words replaced; another encoding."""
     if rng.random() < 0.25:

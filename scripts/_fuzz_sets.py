@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from _fuzz_mutate import bytes_edit, pick
+from _fuzz_mutate import changed_or_bytes, pick
 from _fuzz_seeds import Seed
 from _fuzz_use import Nonsense
 from _fuzz_values import odd, scaled
@@ -59,12 +59,7 @@ def use(path: Path, **_: Any) -> None:
 
 def hdf5_edit(rng: np.random.Generator, data: bytes) -> bytes:
     """An array, attribute or group changed, renamed or left out; or other bytes."""
-    if rng.random() < 0.35:
-        return bytes_edit(rng, data)
-    try:
-        return _changed(rng, data)
-    except Exception:  # broken by an earlier edit, or not to be written
-        return bytes_edit(rng, data)
+    return changed_or_bytes(rng, data, _changed)
 
 
 def _changed(rng: np.random.Generator, data: bytes) -> bytes:

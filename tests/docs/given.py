@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.docs.blocks import ROOT, blocks_of
+from tests.identification.own_files import HEAD, own_record
 
 
 def file_in(page: str, name: str) -> str:
@@ -45,9 +46,6 @@ def ship(place: Path) -> None:
     (place.parent / "ship.toml").rename(place)
 
 
-HEAD = "# title: own\n# source: me\n# obtained: computed\n# conventions: as here\n"
-
-
 def captive(place: Path) -> None:
     """Captive tests of the ship, that of the file's name, in a tank without scatter."""
     from ship_gym.captive import measure, programme
@@ -75,12 +73,4 @@ def record(place: Path) -> None:
         "zigzag": lambda: zigzag("kvlcc2_model"),
     }
     sail["other"] = lambda: turning_circle("kvlcc2_model", delta=-0.3)
-    c = dict(sail[place.stem]().trajectory.columns)
-    time = np.arange(-100, 0) * (c["t"][1] - c["t"][0])
-    ahead = {"t": time, "x": time * c["u"][0], "n": np.full(100, c["n"][0])}
-    unit = {"psi": 180.0 / np.pi, "delta": 180.0 / np.pi, "n": 60.0}
-    names = ("t", "x", "y", "psi", "delta", "n")
-    rows = [np.r_[ahead.get(k, np.zeros(100)), c[k]] * unit.get(k, 1.0) for k in names]
-    lines = ["# length: 7.0", "t [s],x [m],y [m],psi [deg],delta [deg],n [rpm]"]
-    lines += [",".join(map(repr, row)) for row in np.c_[tuple(rows)].tolist()]
-    place.write_text(HEAD + "\n".join(lines) + "\n")
+    own_record(place, sail[place.stem]())

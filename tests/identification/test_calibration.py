@@ -15,41 +15,15 @@ from ship_gym.identification.numbers import full_names, values_of, with_values
 from ship_gym.identification.records import read_record
 from ship_gym.manoeuvres import turning_circle, zigzag
 from ship_gym.ships import load_ship
+from tests.identification.own_files import HEAD, own_record
 
 # without a neutral angle she sails straight ahead with the rudder amidships
 SHIP = with_values(load_ship("kvlcc2_model"), ["rudder.neutral"], [0.0])
 MARIN = Path(__file__).resolve().parents[3] / "shared" / "reference" / "kvlcc2"
 needs_marin = pytest.mark.skipif(not MARIN.is_dir(), reason="the measured tests are not here")
-HEAD = "# title: own\n# source: me\n# obtained: computed\n# conventions: as here\n"
 NAMES = full_names(["N_r", "Y_vvv", "a_H"])
 TRUE = with_values(SHIP, NAMES, [-0.042, -1.2, 0.25])
-AHEAD = 100  # rows straight ahead before the rudder moves: a quarter of L / U
 NOISE = (0.02, 0.02, math.radians(0.3))  # x / L, y / L, psi
-
-
-def own_record(path: Path, result, noise=(0.0, 0.0, 0.0), scale: float = 1.0) -> Path:
-    """A manoeuvre as a tracker would write it down, the ship `scale` times as large."""
-    c, L, rng = dict(result.trajectory.columns), SHIP.hull.L, np.random.default_rng(3)
-    before = np.arange(-AHEAD, 0) * (c["t"][1] - c["t"][0])  # straight ahead, for the start
-    u = c["u"][0]
-    ahead = {"t": before, "x": before * u, "n": np.full(AHEAD, c["n"][0])}
-    rows = []
-    for name in ("t", "x", "y", "psi", "delta", "n"):
-        values = np.concatenate([ahead.get(name, np.zeros(AHEAD)), c[name]])
-        if name in ("x", "y", "psi"):
-            sigma = noise[("x", "y", "psi").index(name)] * (1.0 if name == "psi" else L)
-            late = np.arange(len(values)) > AHEAD
-            values = values + late * rng.normal(0.0, 1.0, len(values)) * sigma
-        rows.append(values)
-    t, x, y, psi, delta, n = rows
-    time = math.sqrt(scale)
-    table = np.c_[
-        t * time, x * scale, y * scale, np.degrees(psi), np.degrees(delta), 60.0 * n / time
-    ]
-    lines = [f"{HEAD}# length: {L * scale}", "t [s],x [m],y [m],psi [deg],delta [deg],n [rpm]"]
-    lines += [",".join(map(repr, row)) for row in table.tolist()]
-    path.write_text("\n".join(lines) + "\n")
-    return path
 
 
 @pytest.fixture(scope="module")
