@@ -21,9 +21,8 @@ from ship_gym.ships.particulars import HullForm, Ship
 
 _STEP, _FULLEST = 0.01, 0.98  # of C_wp
 _KEELS = (-0.3, -0.4, -0.45)  # x_keel by L, tried one after the other
-_HIGHEST = (
-    2.0  # KG by d, unless it is more by dimension; the ships of the package have 0.89 to 1.67
-)
+# KG by d, unless it is more by dimension; the ships of the package have 0.89 to 1.67
+_HIGHEST = 2.0
 _INSIDE = 0.1  # of the width of the range of x_F, from its ends: there a waterline is a spike
 
 
